@@ -23,10 +23,12 @@ struct Reason {
   const char* meaning;
 };
 /// Declare a reason of each kind, for the table kReasons of a unit.
-constexpr Reason working(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
-constexpr Reason waiting(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
-constexpr Reason idle(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
-constexpr Reason background(const char* name, const char* meaning) { return {name, ReasonKind::kBackground, meaning}; }
+constexpr Reason working_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
+constexpr Reason waiting_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
+constexpr Reason idle_reason(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
+constexpr Reason background_reason(const char* name, const char* meaning) {
+  return {name, ReasonKind::kBackground, meaning};
+}
 
 /// A line of a unit's table of reasons: a CycleReason and its declaration.
 template <class CycleReason>
@@ -38,7 +40,8 @@ struct ReasonLine {
 /// Builds a unit's table of cycle reasons. Does not compile unless the table lists every value of the enumeration in
 /// order:
 ///
-///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle("idle", "nothing inside")}, ...});
+///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle_reason("idle", "nothing inside")},
+///   ...});
 template <class CycleReason, std::size_t kLines>
 consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lines)[kLines]) {
   static_assert(kLines == static_cast<std::size_t>(CycleReason::kCount));

@@ -54,7 +54,7 @@ void Machine::record_intervals(Intervals& intervals) {
 void Machine::sample_intervals_until(Time now) {
   for (; next_boundary_ <= now; next_boundary_ = intervals_->next_boundary()) {
     account_until(next_boundary_);
-    write_row(intervals_->add_next_row());
+    write_counter_values(intervals_->add_next_row());
   }
 }
 
@@ -62,7 +62,7 @@ void Machine::finish(Time end) {
   if (intervals_ != nullptr) sample_intervals_until(end - 1);
   account_until(end);
   if (intervals_ == nullptr) return;
-  write_row(intervals_->add_last_row(end));
+  write_counter_values(intervals_->add_last_row(end));
   next_boundary_ = kNever;
 }
 
@@ -70,7 +70,7 @@ void Machine::account_until(Time end) {
   for (const auto& unit : units_) unit->finish(declared_[unit->declared].clock.edge_at_or_after(end));
 }
 
-void Machine::write_row(std::uint64_t* row) const {
+void Machine::write_counter_values(std::uint64_t* row) const {
   for (const Values& values : values_) row = values.write(values.unit, row);
 }
 
@@ -99,13 +99,13 @@ std::uint64_t Machine::retired_items() const {
 void Machine::start() {
   if (is_started()) return;
   require_rule(units_.size() == declared_.size(), "each declared unit is built");
-  place_units();
+  assign_wakeup_slots();
   connect_links();
 }
 
 /// Assigns each unit an index in the wake-up table. Each partition has whole groups of its own, and so has its cluster;
 /// the inner partition has the last groups.
-void Machine::place_units() {
+void Machine::assign_wakeup_slots() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
   partitions_.outer.resize(partitions - 1);
@@ -125,10 +125,10 @@ void Machine::place_units() {
   std::size_t slot = 0;
   for (std::size_t number = 1; number < partitions; ++number) {
     Partition& outer = partitions_.outer[number - 1];
-    outer.units = place_group(members[number], slot);
-    outer.cluster.units = place_group(clustered[number], slot);
+    outer.units = assign_group_slots(members[number], slot);
+    outer.cluster.units = assign_group_slots(clustered[number], slot);
   }
-  partitions_.inner.units = place_group(members[0], slot);
+  partitions_.inner.units = assign_group_slots(members[0], slot);
   wakeups_.reset(slot, kNever);
   tick_functions_.resize(slot);
   for (const auto& unit : units_) {
@@ -138,7 +138,7 @@ void Machine::place_units() {
 }
 
 /// Gives the units neighbouring wake-up times from index `slot` on, and advances `slot` to the next whole group.
-WakeupTable::Groups Machine::place_group(std::span<const std::size_t> units, std::size_t& slot) {
+WakeupTable::Groups Machine::assign_group_slots(std::span<const std::size_t> units, std::size_t& slot) {
   const std::size_t first = slot / WakeupTable::kGroup;
   for (const std::size_t unit : units) slots_[unit] = slot++;
   slot = WakeupTable::round_up_to_groups(slot);

@@ -229,11 +229,11 @@ class Machine {
   void require_unbuilt(UnitId id) const;
   void require_cluster_rules(const std::vector<UnitId>& units) const;
   bool is_started() const { return wakeups_.size() != 0; }
-  void place_units();
-  WakeupTable::Groups place_group(std::span<const std::size_t> units, std::size_t& slot);
+  void assign_wakeup_slots();
+  WakeupTable::Groups assign_group_slots(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
   /// Writes the counters of all units to `row`, a row of the interval record.
-  void write_row(std::uint64_t* row) const;
+  void write_counter_values(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;
   std::vector<Declaration> declared_;

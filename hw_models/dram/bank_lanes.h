@@ -54,7 +54,7 @@ class BankLanes {
   }
   /// Replaces the number n of every bank by f(n); the compiler vectorises the loop.
   template <class F>
-  void replace_all(F&& f) {
+  void transform_all(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
   }
 

@@ -71,8 +71,8 @@ class DramQueue {
     std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
     size_ -= 1;
     order_[size_] = slot;
-    waiting_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
-    hits_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
+    waiting_.transform_all([&](std::uint64_t positions) { return without_position(positions, position); });
+    hits_.transform_all([&](std::uint64_t positions) { return without_position(positions, position); });
     set_hit_positions(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }

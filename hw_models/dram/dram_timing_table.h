@@ -26,21 +26,22 @@ enum class DramCycleReason : std::uint8_t {
   kCount
 };
 inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
-    {DramCycleReason::kIdle, sim::idle("idle", "nothing queued, no data expected")},
-    {DramCycleReason::kReading, sim::working("reading", "read data on the bus")},
-    {DramCycleReason::kWriting, sim::working("writing", "write data on the bus")},
-    {DramCycleReason::kLatency, sim::working("latency", "nothing queued, data on their way")},
+    {DramCycleReason::kIdle, sim::idle_reason("idle", "nothing queued, no data expected")},
+    {DramCycleReason::kReading, sim::working_reason("reading", "read data on the bus")},
+    {DramCycleReason::kWriting, sim::working_reason("writing", "write data on the bus")},
+    {DramCycleReason::kLatency, sim::working_reason("latency", "nothing queued, data on their way")},
     {DramCycleReason::kRowConflict,
-     sim::working("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
+     sim::working_reason("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
     {DramCycleReason::kActivate,
-     sim::working("activate", "a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)")},
-    {DramCycleReason::kRefresh, sim::background("refresh", "the bank is refreshing")},
-    {DramCycleReason::kTurnaround, sim::working("turnaround", "the data bus changes direction")},
-    {DramCycleReason::kColumn, sim::working("column", "column commands follow too closely (tCCD)")},
-    {DramCycleReason::kCommandBus, sim::working("command_bus", "the command bus is taken")},
-    {DramCycleReason::kReturnsFull, sim::waiting("returns_full", "reads cannot start because responses do not leave")},
-    {DramCycleReason::kRankSwitch, sim::working("rank_switch", "the data bus changes from one rank to another")},
-    {DramCycleReason::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
+     sim::working_reason("activate", "a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)")},
+    {DramCycleReason::kRefresh, sim::background_reason("refresh", "the bank is refreshing")},
+    {DramCycleReason::kTurnaround, sim::working_reason("turnaround", "the data bus changes direction")},
+    {DramCycleReason::kColumn, sim::working_reason("column", "column commands follow too closely (tCCD)")},
+    {DramCycleReason::kCommandBus, sim::working_reason("command_bus", "the command bus is taken")},
+    {DramCycleReason::kReturnsFull,
+     sim::waiting_reason("returns_full", "reads cannot start because responses do not leave")},
+    {DramCycleReason::kRankSwitch, sim::working_reason("rank_switch", "the data bus changes from one rank to another")},
+    {DramCycleReason::kPowerDown, sim::working_reason("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
 /// Operations of a bank or rank between which DRAM timing constraints apply. A read or write is the whole sequence of

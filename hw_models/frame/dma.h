@@ -28,10 +28,11 @@ class Dma {
   static constexpr Block kBlock = Block::kDma;
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kEncoding, kWaiting, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle("idle", "no transfer")},
-      {CycleReason::kMoving, sim::working("moving", "a request left")},
-      {CycleReason::kEncoding, sim::working("encoding", "a line's pixels are sRGB-encoded")},
-      {CycleReason::kWaiting, sim::waiting("waiting", "lines are on their way, or there is no room for a request")},
+      {CycleReason::kIdle, sim::idle_reason("idle", "no transfer")},
+      {CycleReason::kMoving, sim::working_reason("moving", "a request left")},
+      {CycleReason::kEncoding, sim::working_reason("encoding", "a line's pixels are sRGB-encoded")},
+      {CycleReason::kWaiting,
+       sim::waiting_reason("waiting", "lines are on their way, or there is no room for a request")},
   });
   struct Stats {
     struct Lines {

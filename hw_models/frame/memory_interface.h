@@ -184,11 +184,11 @@ class MemoryInterface {
   static constexpr Block kBlock = Block::kInterconnect;
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kMemory, kPortFull, kOutputFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle("idle", "nothing inside")},
-      {CycleReason::kMoving, sim::working("moving", "a record came or went, or a request left")},
-      {CycleReason::kMemory, sim::waiting("memory", "records are on their way through memory")},
-      {CycleReason::kPortFull, sim::waiting("port_full", "a request waits for the port")},
-      {CycleReason::kOutputFull, sim::waiting("output_full", "a record waits for its reader")},
+      {CycleReason::kIdle, sim::idle_reason("idle", "nothing inside")},
+      {CycleReason::kMoving, sim::working_reason("moving", "a record came or went, or a request left")},
+      {CycleReason::kMemory, sim::waiting_reason("memory", "records are on their way through memory")},
+      {CycleReason::kPortFull, sim::waiting_reason("port_full", "a request waits for the port")},
+      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "a record waits for its reader")},
   });
   struct Stats {
     std::uint64_t rays = 0, hits = 0;

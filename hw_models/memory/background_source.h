@@ -53,10 +53,10 @@ class BackgroundSource {
   static constexpr Block kBlock = Block::kOutside;
   enum class CycleReason : std::uint8_t { kStopped, kSending, kPaced, kBlocked, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kStopped, sim::idle("stopped", "the frame is over")},
-      {CycleReason::kSending, sim::working("sending", "a request left")},
-      {CycleReason::kPaced, sim::background("paced", "the next line is not due yet")},
-      {CycleReason::kBlocked, sim::waiting("blocked", "a line is due and the channel accepts none")},
+      {CycleReason::kStopped, sim::idle_reason("stopped", "the frame is over")},
+      {CycleReason::kSending, sim::working_reason("sending", "a request left")},
+      {CycleReason::kPaced, sim::background_reason("paced", "the next line is not due yet")},
+      {CycleReason::kBlocked, sim::waiting_reason("blocked", "a line is due and the channel accepts none")},
   });
   struct Stats {
     std::uint64_t reads = 0, writes = 0;

@@ -199,19 +199,21 @@ void RasterUnit::begin_back_stage(sim::Time now) {
   if (has_back_ || queued_ == 0 || finished_ == job_at(ended_).triangle_count()) return;
   const Job& of = job_at(ended_);
   const traces::RasterTriangle& triangle = of.triangle_at(finished_);
-  const std::uint64_t cycles = of.is_batch() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
+  const std::uint64_t cycles =
+      of.is_batch() ? count_listing_cycles(triangle) : count_coverage_cycles(triangle, of.work());
   queued_ -= 1;
   has_back_ = true;
   back_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-std::uint64_t RasterUnit::list_cycles(const traces::RasterTriangle& triangle) {
+std::uint64_t RasterUnit::count_listing_cycles(const traces::RasterTriangle& triangle) {
   stats_.triangles += 1;
   stats_.triangles_culled += triangle.lists == 0;
   return std::uint64_t{triangle.lists} * config_.list_interval;
 }
 
-std::uint64_t RasterUnit::cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work) {
+std::uint64_t RasterUnit::count_coverage_cycles(const traces::RasterTriangle& triangle,
+                                                const traces::RasterWork& work) {
   const bool leaves_out = config_.hierarchical_z;
   const std::uint32_t quads = triangle.quads - (leaves_out ? triangle.hidden_quads : 0);
   const std::uint32_t hidden = leaves_out ? triangle.hidden_samples : 0;

@@ -258,15 +258,17 @@ class RasterUnit {
     kCount
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle("idle", "no wave and no batch")},
-      {CycleReason::kCovering, sim::working("covering", "blocks and quads of a triangle are tested")},
-      {CycleReason::kListing, sim::working("listing", "a triangle is put into lists, or a batch's lists are written")},
-      {CycleReason::kSettingUp, sim::working("setting_up", "a triangle is set up, and none is being covered")},
-      {CycleReason::kTransforming, sim::working("transforming", "vertices are transformed, and none is being listed")},
-      {CycleReason::kWriting, sim::working("writing", "a wave's hits go to the tile buffer")},
-      {CycleReason::kFetching, sim::working("fetching", "lines are looked up, and no triangle is ready")},
-      {CycleReason::kMemory, sim::waiting("memory", "lines that triangles need are on their way")},
-      {CycleReason::kPortFull, sim::waiting("port_full", "what is written waits for the way to memory")},
+      {CycleReason::kIdle, sim::idle_reason("idle", "no wave and no batch")},
+      {CycleReason::kCovering, sim::working_reason("covering", "blocks and quads of a triangle are tested")},
+      {CycleReason::kListing,
+       sim::working_reason("listing", "a triangle is put into lists, or a batch's lists are written")},
+      {CycleReason::kSettingUp, sim::working_reason("setting_up", "a triangle is set up, and none is being covered")},
+      {CycleReason::kTransforming,
+       sim::working_reason("transforming", "vertices are transformed, and none is being listed")},
+      {CycleReason::kWriting, sim::working_reason("writing", "a wave's hits go to the tile buffer")},
+      {CycleReason::kFetching, sim::working_reason("fetching", "lines are looked up, and no triangle is ready")},
+      {CycleReason::kMemory, sim::waiting_reason("memory", "lines that triangles need are on their way")},
+      {CycleReason::kPortFull, sim::waiting_reason("port_full", "what is written waits for the way to memory")},
   });
   using Stats = RasterStats;
   struct Links {
@@ -329,8 +331,8 @@ class RasterUnit {
   bool advance_cursor(Cursor& cursor) const;
   /// Count a triangle's statistics and return the cycles that the back stage takes for it: to list it (geometry pass),
   /// or to find the samples that it covers (wave).
-  std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
-  std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
+  std::uint64_t count_listing_cycles(const traces::RasterTriangle& triangle);
+  std::uint64_t count_coverage_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();
   std::uint64_t depth_buffer_parts_of(const Job& job) const { return config_.depth_buffer_parts(job.node().items); }
   CycleReason cycle_reason(sim::Time at, bool wrote, bool looked) const;

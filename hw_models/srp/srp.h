@@ -61,16 +61,17 @@ class Srp {
     kCount
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kStarved, sim::idle("starved", "no tile")},
-      {CycleReason::kRunning, sim::working("running", "a kernel's loop is on the array")},
-      {CycleReason::kSwitching, sim::working("switching", "the array is being configured for another kernel")},
-      {CycleReason::kCacheMiss, sim::waiting("cache_miss", "the array stands still for a line of the data cache")},
+      {CycleReason::kStarved, sim::idle_reason("starved", "no tile")},
+      {CycleReason::kRunning, sim::working_reason("running", "a kernel's loop is on the array")},
+      {CycleReason::kSwitching, sim::working_reason("switching", "the array is being configured for another kernel")},
+      {CycleReason::kCacheMiss,
+       sim::waiting_reason("cache_miss", "the array stands still for a line of the data cache")},
       {CycleReason::kBanks,
-       sim::working("banks", "the array stands still because accesses meet in a bank of the tile buffer")},
-      {CycleReason::kWaiting, sim::waiting("waiting", "launches wait for rays in the T&I unit, or for the DMA")},
+       sim::working_reason("banks", "the array stands still because accesses meet in a bank of the tile buffer")},
+      {CycleReason::kWaiting, sim::waiting_reason("waiting", "launches wait for rays in the T&I unit, or for the DMA")},
       {CycleReason::kBorders,
-       sim::waiting("borders", "transfers wait for borders of other tiles, and nothing else moves")},
-      {CycleReason::kNoSlots, sim::waiting("no_slots", "a launch waits for free ray slots in the tile buffer")},
+       sim::waiting_reason("borders", "transfers wait for borders of other tiles, and nothing else moves")},
+      {CycleReason::kNoSlots, sim::waiting_reason("no_slots", "a launch waits for free ray slots in the tile buffer")},
   });
   using Stats = SrpStats;
   struct Links {

@@ -86,8 +86,8 @@ class TileBuffer {
   static constexpr Block kBlock = Block::kTileBuffer;
   enum class CycleReason : std::uint8_t { kIdle, kInUse, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle("idle", "no tile is in flight on the core")},
-      {CycleReason::kInUse, sim::background("in_use", "tiles are in flight")},
+      {CycleReason::kIdle, sim::idle_reason("idle", "no tile is in flight on the core")},
+      {CycleReason::kInUse, sim::background_reason("in_use", "tiles are in flight")},
   });
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bank_conflicts = 0;

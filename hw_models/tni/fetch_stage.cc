@@ -37,7 +37,7 @@ bool FetchStage::has_room_in_rau_table(Addr line) {
   return rows_used_ < rau_.rows || (row == nullptr && l1_.has_line(line));
 }
 
-void FetchStage::leave_rau_table(std::uint64_t slot_mask) {
+void FetchStage::remove_from_rau_table(std::uint64_t slot_mask) {
   stats_.rau_reads += 1;
   const auto row = std::ranges::find_if(rows_read_, [&](std::uint64_t slots) { return (slots & slot_mask) != 0; });
   assert(row != rows_read_.end() && "a line is kept for a slot that is in no row");

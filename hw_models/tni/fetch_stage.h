@@ -100,9 +100,9 @@ class FetchStage {
     if (handling_ != MissHandling::kReorder) clear_waits(bit);
     if ((served_ & bit) != 0) {
       served_ &= ~bit;
-      note_read(bit);
+      count_read(bit);
       if (handling_ == MissHandling::kRau) {
-        leave_rau_table(bit);
+        remove_from_rau_table(bit);
         return Wait::kNothing;
       }
       stats_.l1_hits += 1;
@@ -119,7 +119,7 @@ class FetchStage {
     switch (l1_.access_line(line, slot, cycle)) {
       case L1Cache::Result::kHit:
         stats_.l1_hits += 1;
-        note_read(bit);
+        count_read(bit);
         return Wait::kNothing;
       case L1Cache::Result::kMiss:
         late_ |= bit;
@@ -197,7 +197,7 @@ class FetchStage {
   static constexpr Addr kAnyRow = ~Addr{0};
 
   /// Counts a successful read of a slot; the read is late if the slot's first probe missed.
-  void note_read(std::uint64_t slot_mask) {
+  void count_read(std::uint64_t slot_mask) {
     stats_.l1_late += (late_ & slot_mask) != 0;
     late_ &= ~slot_mask;
   }
@@ -214,7 +214,7 @@ class FetchStage {
   void unblock_waiters(Addr line, std::uint64_t slot_mask);
   bool has_room_in_rau_table(Addr line);
   /// Removes a slot from its row of the RAU table, and frees the row if it is then empty.
-  void leave_rau_table(std::uint64_t slot_mask);
+  void remove_from_rau_table(std::uint64_t slot_mask);
   void resume_slots(std::uint64_t slot_mask);
 
   std::uint64_t late_ = 0;    ///< slots whose first probe for their line missed

@@ -43,14 +43,14 @@ class Ist {
     kCount
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kStarved, sim::idle("starved", "no leaf inside")},
-      {CycleReason::kTesting, sim::working("testing", "a triangle test began")},
-      {CycleReason::kL1Miss, sim::waiting("l1_miss", "leaves wait for triangle lines")},
-      {CycleReason::kMshrFull, sim::waiting("mshr_full", "leaves wait for a free MSHR")},
-      {CycleReason::kPipe, sim::working("pipe", "leaves are all inside the pipeline")},
-      {CycleReason::kOutputFull, sim::waiting("output_full", "answers cannot leave")},
+      {CycleReason::kStarved, sim::idle_reason("starved", "no leaf inside")},
+      {CycleReason::kTesting, sim::working_reason("testing", "a triangle test began")},
+      {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "leaves wait for triangle lines")},
+      {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "leaves wait for a free MSHR")},
+      {CycleReason::kPipe, sim::working_reason("pipe", "leaves are all inside the pipeline")},
+      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "answers cannot leave")},
       {CycleReason::kRauFull,
-       sim::waiting("rau_full", "a leaf stands in the fetch stage for lack of room in the table (rau)")},
+       sim::waiting_reason("rau_full", "a leaf stands in the fetch stage for lack of room in the table (rau)")},
   });
   struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;

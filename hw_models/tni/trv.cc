@@ -223,7 +223,7 @@ template <bool kDefault>
   const TreeInMemory::Line read =
       has.plain ? TreeInMemory::Line{tree_.line_of_node(node), true}
                 : tree_.line_of_visit(node, config_.box_testers, slot.tested_child(), slot.lines_read());
-  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at tick_with_features()).
+  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at simulate_cycle()).
   if (has.reorders && fetch_.try_first_probe_hit(slot_bit(index), read.line)) {
     waiting_[kToInner] &= ~slot_bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read_line(index, read.line, cycle.number);
@@ -297,7 +297,7 @@ Trv::CycleReason Trv::issue_in_shared_pipe(const Cycle& cycle) {
 /// Simulates one cycle of the traversal unit. Fast path: the default features as constants save 12, 5 and 4 % of the
 /// host's instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
-[[gnu::always_inline]] inline sim::Time Trv::tick_with_features(const Cycle& cycle) {
+[[gnu::always_inline]] inline sim::Time Trv::simulate_cycle(const Cycle& cycle) {
   const TrvFeatures has = active_features<kDefault>();
   const sim::Time now = cycle.now;
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
@@ -326,18 +326,18 @@ template <bool kDefault>
   return wake;
 }
 
-sim::Time Trv::tick_with_any_features(const Cycle& cycle) { return tick_with_features<false>(cycle); }
+sim::Time Trv::simulate_cycle_with_any_features(const Cycle& cycle) { return simulate_cycle<false>(cycle); }
 
 sim::Time Trv::tick(sim::Time now) {
   const Cycle cycle(now, clock_);
-  return is_default_ ? tick_with_features<true>(cycle) : tick_with_any_features(cycle);
+  return is_default_ ? simulate_cycle<true>(cycle) : simulate_cycle_with_any_features(cycle);
 }
 
 void Trv::tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle) {
   const bool is_default = trvs.front()->is_default_;
   for (; due != 0; due &= due - 1) {
     const auto t = static_cast<std::size_t>(std::countr_zero(due));
-    wakes[t] = is_default ? trvs[t]->tick_with_features<true>(cycle) : trvs[t]->tick_with_any_features(cycle);
+    wakes[t] = is_default ? trvs[t]->simulate_cycle<true>(cycle) : trvs[t]->simulate_cycle_with_any_features(cycle);
   }
 }
 

@@ -70,18 +70,18 @@ class Trv {
     kCount
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kStarved, sim::idle("starved", "no ray inside")},
+      {CycleReason::kStarved, sim::idle_reason("starved", "no ray inside")},
       {CycleReason::kVisiting,
-       sim::working("visiting", "a node, a line of it or a ray for an instance entered the box pipe")},
-      {CycleReason::kL1Miss, sim::waiting("l1_miss", "rays wait for node lines, or this cycle's probe missed")},
-      {CycleReason::kMshrFull, sim::waiting("mshr_full", "rays wait for a free MSHR")},
-      {CycleReason::kIst, sim::waiting("ist", "rays wait for the intersection unit")},
+       sim::working_reason("visiting", "a node, a line of it or a ray for an instance entered the box pipe")},
+      {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "rays wait for node lines, or this cycle's probe missed")},
+      {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "rays wait for a free MSHR")},
+      {CycleReason::kIst, sim::waiting_reason("ist", "rays wait for the intersection unit")},
       {CycleReason::kPipe,
-       sim::working("pipe", "rays are all inside the pipelines: too few of them to fill the latency")},
-      {CycleReason::kOutputFull, sim::waiting("output_full", "finished rays cannot leave")},
-      {CycleReason::kSerial, sim::working("serial", "a pop or a leaf was in the one pipe (box_testers 1)")},
+       sim::working_reason("pipe", "rays are all inside the pipelines: too few of them to fill the latency")},
+      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "finished rays cannot leave")},
+      {CycleReason::kSerial, sim::working_reason("serial", "a pop or a leaf was in the one pipe (box_testers 1)")},
       {CycleReason::kRauFull,
-       sim::waiting("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
+       sim::waiting_reason("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
   });
   struct Stats : FetchStats, StackStats {
     std::uint64_t visits = 0, leaves = 0;
@@ -153,8 +153,8 @@ class Trv {
 
   /// Simulates one cycle. `kDefault`: the unit has kDefaultTrvFeatures, which are then compile-time constants.
   template <bool kDefault>
-  sim::Time tick_with_features(const Cycle& cycle);
-  sim::Time tick_with_any_features(const Cycle& cycle);
+  sim::Time simulate_cycle(const Cycle& cycle);
+  sim::Time simulate_cycle_with_any_features(const Cycle& cycle);
   template <bool kDefault>
   TrvFeatures active_features() const {
     return kDefault ? kDefaultTrvFeatures : features_;

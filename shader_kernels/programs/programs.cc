@@ -39,7 +39,7 @@ void check_rate(const ProgramSpec& spec, EffectRate rate) {
 
 std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f) {
   check_rate(spec, f.render.effect_rate);
-  if (f.render.effect_rate != EffectRate::kFull && f.render.has_rated_effects()) {
+  if (f.render.effect_rate != EffectRate::kFull && f.render.has_low_rate_effects()) {
     return std::make_unique<UpsampledProgram>(f.image, f.camera, f.render, f.programs.reconstruct, f.scene_size,
                                               f.number);
   }

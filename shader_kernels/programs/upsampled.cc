@@ -12,7 +12,7 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because a sample keeps much data
       order_(tiles_.sample_tiles().rendering_order(Halo::kReload)),
       frame_(frame),
-      layers_(scene_.rated_light_count()),
+      layers_(scene_.low_rate_light_count()),
       bend_(filter.bend_factor()),
       eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
 
@@ -45,7 +45,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.reserve_rated(position_count(), layers_);
+  out.buffer.reserve_low_rate(position_count(), layers_);
   const float halo = static_cast<float>(tiles_.halo_width()), pitch = static_cast<float>(tiles_.row_pitch());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   TileGraph& graph = wave.tile_graph();
@@ -97,7 +97,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
-  retained.rated = {.are_rated = true, .layer = position_count(), .grid = tile.grid};
+  retained.low_rate = {.are_low_rate = true, .layer = position_count(), .grid = tile.grid};
   retained.cleared = generated;
   wave.run(generated, pixels, retained);
 }

@@ -22,7 +22,8 @@ class Relay {
  public:
   static constexpr Side kBlock = Side::kFar;
   enum class CycleReason : std::uint8_t { kIdle, kCount };
-  static constexpr auto kReasons = reasons<CycleReason>({{CycleReason::kIdle, sim::idle("idle", "nothing comes")}});
+  static constexpr auto kReasons =
+      reasons<CycleReason>({{CycleReason::kIdle, sim::idle_reason("idle", "nothing comes")}});
   struct Stats {
     std::uint64_t taken = 0;
     static void describe(auto& s, auto&& counter) { counter(NAMED(s.taken), "numbers handed on"); }

@@ -54,7 +54,7 @@ Json memory_json(const traces::MemoryImage& image) {
                 {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
                 {"materials", image.materials.size() * sizeof(traces::MaterialRecord) +
                                   image.details.size() * sizeof(traces::MaterialDetailRecord)}};
-  if (image.has_levels()) parts["instances"] = image.instances.size() * sizeof(traces::InstanceRecord);
+  if (image.has_two_levels()) parts["instances"] = image.instances.size() * sizeof(traces::InstanceRecord);
   std::uint64_t sum = 0;
   for (const auto& [name, part] : parts.items()) sum += part.get<std::uint64_t>();
   parts["textures"] = image.layout.end - std::min(image.layout.end, sum);

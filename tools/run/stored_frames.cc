@@ -36,8 +36,8 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
 
 /// Fills an image with the parts of a tree that the machine needs.
 void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
-  const bool has_levels = !scope.links.roots.empty();
-  if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {
+  const bool has_two_levels = !scope.links.roots.empty();
+  if (has_two_levels && config.instances == traces::InstanceLevels::kFlatten) {
     throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
   }
   image = {};

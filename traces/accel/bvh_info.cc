@@ -19,7 +19,7 @@ std::string digest_of(const std::vector<Record>& records) {
 
 std::string bvh_hash(const MemoryImage& image) {
   std::string parts = digest_of(image.nodes) + digest_of(image.triangles);
-  if (image.has_levels()) parts += digest_of(image.instances);
+  if (image.has_two_levels()) parts += digest_of(image.instances);
   if (image.grid) parts += digest_of(std::vector{image.grid->lower_corner(), image.grid->plane_spacing()});
   return sim::sha256_hex(parts);
 }

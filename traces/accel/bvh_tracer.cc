@@ -269,8 +269,8 @@ void trace_kind(const MemoryImage& image, std::span<const Ray> rays, bool any, s
 template <class Lanes>
 void trace_with(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, WalkSink* walk) {
   const auto with = [&](auto&& record) {
-    image.has_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
-                       : trace_kind<Lanes, false>(image, rays, any, hits, record);
+    image.has_two_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
+                           : trace_kind<Lanes, false>(image, rays, any, hits, record);
     record.finish();
   };
   walk != nullptr ? with(WalkRecorder(*walk)) : with(NoWalkRecorder{});

@@ -55,7 +55,7 @@ struct Query {
   Rank rank;
 
   RayTriangles<NativeLanes>::Result test_triangle(std::uint32_t instance, const TriangleRecord& record) const {
-    const Ray seen = image->has_levels() ? to_object_space(image->instances[instance], *ray) : *ray;
+    const Ray seen = image->has_two_levels() ? to_object_space(image->instances[instance], *ray) : *ray;
     return RayTriangles<NativeLanes>(seen).test_triangles(&record, 1);
   }
   /// True if the face of the triangle that the ray sees is not culled.
@@ -92,7 +92,7 @@ void keep_best_hit(const RTCFilterFunctionNArguments* arguments) {
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
   const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
-  const bool levels = query.image->has_levels();
+  const bool levels = query.image->has_two_levels();
   const std::uint32_t instance = levels ? hit.instID[0] : 0;
   const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
   if (!query.is_face_visible(instance, first + hit.primID)) {
@@ -143,7 +143,7 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
       device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
       scene_(rtcNewScene(device_.get())) {
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  if (image.has_levels()) {
+  if (image.has_two_levels()) {
     attach_instances();
   } else if (!image.triangles.empty()) {
     attach_triangles(scene_.get(), 0, image.triangles.size());
@@ -216,7 +216,7 @@ Hit EmbreeTracer::Impl::find_nearest(const Ray& ray) const {
 #endif
   if (!query.best.is_hit()) return query.best;
   query.best.triangle |= image_.triangles[query.best.triangle].hit_flags();
-  return image_.has_levels() ? with_instance(query.best, query.rank.instance) : query.best;
+  return image_.has_two_levels() ? with_instance(query.best, query.rank.instance) : query.best;
 }
 
 bool EmbreeTracer::Impl::is_blocked(const Ray& ray) const {

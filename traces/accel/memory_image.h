@@ -234,7 +234,7 @@ struct MemoryImage {
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid of the nodes' boxes
   Layout layout;
-  bool has_levels() const { return !instances.empty(); }
+  bool has_two_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
   bool has_single_sided() const;  ///< True if rays pass through the back faces of some material.
   std::uint64_t node_array_bytes() const;

@@ -121,13 +121,13 @@ void test_all_triangles(const Ray& ray, std::span<const TriangleRecord> triangle
 }  // namespace
 
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit) {
-  const ToWorld world = image.has_levels() ? to_world(image.instances[instance_of(hit)]) : ToWorld{};
+  const ToWorld world = image.has_two_levels() ? to_world(image.instances[instance_of(hit)]) : ToWorld{};
   return exact_hit(ray, image.triangles[hit.triangle_index()], world, image.diagonal());
 }
 
 ExactTrace exact_trace(const Ray& ray, const MemoryImage& image) {
   ExactTrace trace;
-  if (!image.has_levels()) {
+  if (!image.has_two_levels()) {
     test_all_triangles(ray, image.triangles, {}, image.diagonal(), trace);
     return trace;
   }
@@ -180,13 +180,13 @@ bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, c
   // If the reference tracer stopped at a flagged triangle, it gives no answer; the hit itself is tested.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
-         (!image_.has_levels() || instance_of(tested) == instance_of(reference)) &&
+         (!image_.has_two_levels() || instance_of(tested) == instance_of(reference)) &&
          std::fabs(double{tested.t} - reference.t) <= distance_tolerance(ray, reference.t);
 }
 
 bool VerifyingTracer::names_existing_triangle(const Hit& hit) const {
   return hit.triangle_index() < image_.triangles.size() &&
-         (!image_.has_levels() || instance_of(hit) < image_.instances.size());
+         (!image_.has_two_levels() || instance_of(hit) < image_.instances.size());
 }
 
 bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {

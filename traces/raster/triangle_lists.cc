@@ -84,7 +84,7 @@ RasterGeometry raster_geometry(const MemoryImage& image) {
   RasterGeometry geometry;
   Welder welder(geometry);
   const auto as_it_is = [](const glm::vec3& p) { return glm::dvec3(p); };
-  if (!image.has_levels()) {
+  if (!image.has_two_levels()) {
     geometry.triangles.reserve(image.triangles.size());
     welder.weld_triangles(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, false, as_it_is);
     return geometry;

@@ -74,7 +74,7 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.reserve_visible(std::size_t{layers_} * layer_offset(), tiles_.most_pixels());
+  out.buffer.reserve_visible(std::size_t{layers_} * records_per_layer(), tiles_.most_pixels());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   TileGraph& graph = wave.tile_graph();
   Tile tile = make_tile(at, wave, out);
@@ -98,8 +98,8 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
 VisibleSamples ReconstructProgram::records_to_keep(bool are_shaded) const {
   VisibleSamples records{.are_kept = has_geometry(), .are_shaded = are_shaded};
   records.have_shadows = filters_apart();
-  records.mirrored = mirrors_ * layer_offset();
-  records.refracted = glass_ * layer_offset();
+  records.mirrored = mirrors_ * records_per_layer();
+  records.refracted = glass_ * records_per_layer();
   if (!are_shaded) records.depth = layers_ > 1 ? 2 : 1;
   records.eye = eye_uniforms(camera_, config_.width, config_.height, depth_scale_);
   records.depth_scale = depth_scale_;
@@ -122,7 +122,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
   for (std::uint32_t b = 1; b < layers_; ++b) {
     ClearBranch::Ports<float> ports;
     ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
-    ports.lattice.first += static_cast<float>(b * layer_offset());
+    ports.lattice.first += static_cast<float>(b * records_per_layer());
     ports.apart = position_count();
     const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
     tile.graph.wait_for_all(cleared, last);
@@ -146,7 +146,8 @@ void ReconstructProgram::place_samples(Tile& tile, std::uint32_t rays) const {
     const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % position_count();
     const std::uint32_t x = tile.at.x + position % tiles_.row_pitch() - tiles_.halo_width();
     const std::uint32_t y = tile.at.y + position / tiles_.row_pitch() - tiles_.halo_width();
-    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.wave_tracer().place_sample(sample + b * layer_offset(), x, y);
+    for (std::uint32_t b = 0; b < layers_; ++b)
+      tile.wave.wave_tracer().place_sample(sample + b * records_per_layer(), x, y);
   }
 }
 
@@ -189,7 +190,7 @@ void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const 
   const auto launch = [&]<std::uint32_t kBranches> {
     typename LimitColours<kBranches>::template Ports<float> ports;
     ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
-    ports.branch = layer_offset();
+    ports.branch = records_per_layer();
     const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixel_count());
     tile.graph.wait_for_colours(limited);
     if (!tile.graph.is_muted()) tile.graph.replace_colour_writers(limited);
@@ -232,7 +233,7 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
   graph.wait_for_records(last);
   graph.wait_for_colours(last);
   for (std::uint32_t b = 1; b < layers_; ++b) {
-    const auto layers_before = static_cast<float>(b * layer_offset());
+    const auto layers_before = static_cast<float>(b * records_per_layer());
     ListBranches::Ports<float> list;
     list.finished = tile.finished;
     list.branch = layers_before;
@@ -267,7 +268,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   list.finished = tile.finished;
   list.bend = bend_;
   list.threshold = static_cast<float>(reconstruct_.colour);
-  list.branch = static_cast<float>(layer_offset());
+  list.branch = static_cast<float>(records_per_layer());
   const Node listed = graph.launch<ListContrasts<kBranches>>(list, tile.pixels);
   graph.wait_for_all(listed, filtered);
   const std::uint32_t pixels = list.masters_count.value;
@@ -293,7 +294,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   typename AverageContrasts<kBranches>::template Ports<float> average;
   average.finished = tile.finished;
   average.apart = position_count();
-  average.branch = layer_offset();
+  average.branch = records_per_layer();
   const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
   graph.wait_for_all(averaged, generated);
   graph.wait_for_colours(averaged);
@@ -395,7 +396,7 @@ SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel)
   std::uint32_t edges = 0;
   float left = 0, all = 0;
   const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
-    const std::uint32_t first = layer_number * layer_offset();
+    const std::uint32_t first = layer_number * records_per_layer();
     const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * position_count() + centre];
     if (!has_branch<float>(own)) return;
     const Similarity<float> similar(own, tile.buffer.filters.visible[first + shaded], bend_);

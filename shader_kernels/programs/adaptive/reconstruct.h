@@ -70,7 +70,7 @@ class ReconstructProgram final : public FrameProgram {
   bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Returns the number of records of one layer: the distance from a sample's record to its record in the next layer.
-  std::uint32_t layer_offset() const { return kGeometrySamples * position_count(); }
+  std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
   /// Return bytes per pixel: of its shaded sample's records and colours, of its other samples' records, of all records;
   /// all layers included.
   std::uint32_t shaded_bytes() const;

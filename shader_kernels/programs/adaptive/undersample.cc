@@ -374,7 +374,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
     const std::uint32_t words = scan.is_along_y ? at.width : at.height;
     border = graph.import_border({behind(out.tile), kScanned}, scan_address(behind(at.index)), words * 4);
   }
-  const Wavefront::Node found = record_search(graph, samples);
+  const Wavefront::Node found = record_suspect_search(graph, samples);
   graph.wait_for_all(found, in);
   graph.wait_for_all(found, border);
   correct_samples(wave, out, at, found);
@@ -382,7 +382,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   out.sampling.traced_background = out.background.size();
 }
 
-Wavefront::Node UndersampleProgram::record_search(TileGraph& graph, std::uint32_t items) const {
+Wavefront::Node UndersampleProgram::record_suspect_search(TileGraph& graph, std::uint32_t items) const {
   return undersample_.neighbours == Neighbourhood::kEight ? graph.record_known<FindSuspects<true>>(items)
                                                           : graph.record_known<FindSuspects<false>>(items);
 }
@@ -412,7 +412,7 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
     const Wavefront::Node stored = undersample_.correct_shadows ? graph.record_known<StoreIdentities<true>>(items)
                                                                 : graph.record_known<StoreIdentities<false>>(items);
     graph.wait_for_records(stored);
-    found = record_search(graph, items);
+    found = record_suspect_search(graph, items);
     graph.wait_for_all(found, stored);
   }
   write_corrected(graph, at, corrected, pixels, found);

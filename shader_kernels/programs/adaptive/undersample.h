@@ -117,7 +117,7 @@ class UndersampleProgram final : public FrameProgram {
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,
                       Wavefront::Node lister) const;
   void average_pixel_again(std::uint32_t x, std::uint32_t y);
-  Wavefront::Node record_search(TileGraph& graph, std::uint32_t items) const;
+  Wavefront::Node record_suspect_search(TileGraph& graph, std::uint32_t items) const;
   void correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
   void write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
                        Wavefront::Node last) const;

@@ -154,7 +154,7 @@ struct RenderConfig {
           sim::between(0, 1), Affects::kFunction);
   }
   /// True if the frame has effects that can have a lower rate.
-  bool has_rated_effects() const {
+  bool has_low_rate_effects() const {
     const Effects all = parse_effects(effects);
     return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);
   }
@@ -164,7 +164,7 @@ struct RenderConfig {
     } catch (const sim::InputError& error) {
       return complain("effects", error.what());
     }
-    if (effect_rate != EffectRate::kFull && !has_rated_effects()) {
+    if (effect_rate != EffectRate::kFull && !has_low_rate_effects()) {
       complain("effect_rate",
                "is that of occlusion and soft_shadows, and effects has neither; allowed: full, or one of these in "
                "effects");

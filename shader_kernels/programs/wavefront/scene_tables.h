@@ -66,7 +66,7 @@ struct SceneTables {
   /// True if ambient light is not occluded and each light casts one shadow ray.
   bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
   /// Returns the number of light sources, counting ambient light, that effects at a lower rate apply to.
-  std::uint32_t rated_light_count() const {
+  std::uint32_t low_rate_light_count() const {
     return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }
   /// Returns the number of launches that light a surface from one light source.

@@ -29,8 +29,8 @@ struct VisibleSamples {
 };
 
 /// How a wave treats effects for which only some samples emit rays (kernels/effects.h).
-struct RatedEffects {
-  bool are_rated = false;
+struct LowRateEffects {
+  bool are_low_rate = false;
   std::uint32_t layer = 0;     ///< offset between a sample's data of one light and of the next
   GridUniforms<float> grid{};  ///< the pixels in the tile buffer
 };
@@ -41,7 +41,7 @@ struct RetainedRecords {
   bool secondary = false;
   bool traits = false;  ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
-  RatedEffects rated{};
+  LowRateEffects low_rate{};
   StreamBuilder::Node cleared = StreamBuilder::kNone,
                       cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared the records
 };
@@ -246,14 +246,14 @@ Launched launch_by_mips(const WaveContext& wave, const WaveBounce& bounce, const
 /// Launches the variant of kernel K for scenes with instances or for those without.
 template <template <bool> class K>
 Launched launch_by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
-  return wave.scene.image.has_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
+  return wave.scene.image.has_two_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
 }
 
 /// Launches the variant of kernel K for scenes with or without instances, and with or without ray cones (mip maps).
 template <template <bool, bool> class K>
 Launched launch_by_surface_variant(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const bool has_cones = wave.scene.mips != MipFilter::kNone;
-  if (wave.scene.image.has_levels()) {
+  if (wave.scene.image.has_two_levels()) {
     return has_cones ? launch<K<true, true>>(wave, bounce, in) : launch<K<true, false>>(wave, bounce, in);
   }
   return has_cones ? launch<K<false, true>>(wave, bounce, in) : launch<K<false, false>>(wave, bounce, in);

@@ -89,7 +89,7 @@ void TileBuffer::reserve_visible(std::size_t count, std::size_t pixels) {
   grow_to(subpixels.masters, pixels);
 }
 
-void TileBuffer::reserve_rated(std::size_t count, std::size_t light_count) {
+void TileBuffer::reserve_low_rate(std::size_t count, std::size_t light_count) {
   grow_to(filters.visible, count);
   grow_to(samples.colours, count);
   grow_to(checks.passed, count);

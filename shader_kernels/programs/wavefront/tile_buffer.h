@@ -131,7 +131,7 @@ struct TileBuffer {
   /// Grows the arrays of reconstruct to `count` samples; at most `pixels` of them are queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
   /// Grows the arrays of effects at a lower rate to `count` samples and `light_count` lights.
-  void reserve_rated(std::size_t count, std::size_t light_count);
+  void reserve_low_rate(std::size_t count, std::size_t light_count);
 };
 
 }  // namespace kernels

@@ -120,7 +120,7 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
       return scene_.image.vertices.empty() ? test_layers<false, kInstanced>(kind, slots, first, items, count, settled)
                                            : test_layers<true, kInstanced>(kind, slots, first, items, count, settled);
     };
-    const std::uint32_t rays = scene_.image.has_levels() ? test(std::true_type{}) : test(std::false_type{});
+    const std::uint32_t rays = scene_.image.has_two_levels() ? test(std::true_type{}) : test(std::false_type{});
     graph_.wait_for_all(settled, before);
     graph_.wait_for_all(settled, batch);
     if (rays == 0) break;

@@ -115,7 +115,8 @@ Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const 
   return recorded;
 }
 Launched record_branches(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
-  return wave.scene.image.has_levels() ? record_branch<true>(wave, bounce, in) : record_branch<false>(wave, bounce, in);
+  return wave.scene.image.has_two_levels() ? record_branch<true>(wave, bounce, in)
+                                           : record_branch<false>(wave, bounce, in);
 }
 
 constexpr RecordStages kGeometryRecords{launch_by_instances<RecordGeometry>, launch<RecordShadow>,
@@ -202,7 +203,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     if (is_shaded()) {
       run_stage(kTextures, bounce, buffer.queues.textured);
       run_stages(kEmission, bounce);
-      uses_rated_effects(bounce) ? shade_rated_effects(bounce) : shade_local_lights(bounce);
+      uses_low_rate_effects(bounce) ? shade_low_rate_effects(bounce) : shade_local_lights(bounce);
     } else if (wave_.retained.visible.have_shadows && wave_.scene.shadow_rays != 0) {
       for (std::uint32_t light = 0; light < wave_.scene.lights.size(); ++light) {
         shade_light(bounce, light, buffer.queues.diffuse);
@@ -248,7 +249,7 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
   // Surfaces are not lit immediately if a sample has two rays in the wave and light may be deferred, because the lights
   // would be added in another order.
   const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
-  const bool is_lit = is_shaded() && scene.fuses && has_light && !uses_rated_effects(bounce) &&
+  const bool is_lit = is_shaded() && scene.fuses && has_light && !uses_low_rate_effects(bounce) &&
                       (bounce.is_single || !scene.has_deferred);
   if (is_lit) {
     const LitStage* stage = &kLit;
@@ -264,7 +265,7 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
     if (scene.has_details) run_stages(kFusedDetails, bounce);
     run_stage(scene.has_details ? stage->detailed : stage->plain, bounce, buffer.queues.surfaces);
     bounce.has_lit = true;
-  } else if (uses_rated_effects(bounce) && scene.fuses && !scene.has_details) {
+  } else if (uses_low_rate_effects(bounce) && scene.fuses && !scene.has_details) {
     run_stage(kReducedRate, bounce, buffer.queues.surfaces);
   } else if (scene.has_details) {
     run_stages(kSeparateDetailed, bounce);
@@ -393,14 +394,14 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
 
 /// Lights first hits in frames with effects at a lower rate. Samples store the light as if nothing blocked it; some of
 /// them find the visible fraction with rays.
-void Wavefront::shade_rated_effects(WaveBounce& bounce) {
+void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;
   SlotQueue& diffuse = buffer.queues.diffuse;
   if (diffuse.items == 0) return;
   const auto select = [&]<bool kCheckerboard> {
     typename SelectEffects<kCheckerboard>::template Ports<float> ports;
-    ports.grid = wave_.retained.rated.grid;
+    ports.grid = wave_.retained.low_rate.grid;
     return graph_.launch<SelectEffects<kCheckerboard>>(ports, diffuse.items, bounce.lanes);
   };
   const Node selected =
@@ -414,7 +415,7 @@ void Wavefront::shade_rated_effects(WaveBounce& bounce) {
                 .items = diffuse.items,
                 .lanes = bounce.lanes,
                 .light = light,
-                .colours = buffer.filters.lights.data() + std::size_t{layer} * wave_.retained.rated.layer})
+                .colours = buffer.filters.lights.data() + std::size_t{layer} * wave_.retained.low_rate.layer})
             .node;
     wait_for_bounce(node, bounce);
     graph_.wait_for_all(node, wave_.retained.cleared);
@@ -460,7 +461,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   if (rays == 0) return;
   const TracedBatch batch = tracer_.trace(RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
   CombineRatio::Ports<float> combine;
-  combine.ratios.bind(buffer.filters.ratios.data() + std::size_t{layer} * wave_.retained.rated.layer);
+  combine.ratios.bind(buffer.filters.ratios.data() + std::size_t{layer} * wave_.retained.low_rate.layer);
   combine.share = share;
   const Node combined = graph_.launch<CombineRatio>(combine, rays, bounce.lanes);
   wait_for_batch(combined, batch);

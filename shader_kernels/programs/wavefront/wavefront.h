@@ -71,10 +71,10 @@ class Wavefront {
   }
 
   // Stages of effects at a reduced rate.
-  bool uses_rated_effects(const WaveBounce& bounce) const {
-    return wave_.retained.rated.are_rated && bounce.depth == 1;
+  bool uses_low_rate_effects(const WaveBounce& bounce) const {
+    return wave_.retained.low_rate.are_low_rate && bounce.depth == 1;
   }
-  void shade_rated_effects(WaveBounce& bounce);
+  void shade_low_rate_effects(WaveBounce& bounce);
   void launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 

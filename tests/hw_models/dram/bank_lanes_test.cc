@@ -73,7 +73,7 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
 TEST_P(BankLanesOf, AreAllReplaced) {
   BankLanes lanes = some(GetParam(), 3);
   const BankLanes before = lanes;
-  lanes.replace_all([](std::uint64_t number) { return 3 * number + 1; });
+  lanes.transform_all([](std::uint64_t number) { return 3 * number + 1; });
   for (std::uint32_t bank = 0; bank < GetParam(); ++bank) EXPECT_EQ(lanes[bank], 3 * before[bank] + 1);
 }
 

@@ -79,8 +79,8 @@ TEST(Energy, LogicIsLookedUpByKindOfUnitThenByBlock) {
 }
 
 TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
-  constexpr std::array reasons = {idle("idle", ""), working("testing", ""), idle("starved", ""),
-                                  waiting("output_full", "")};
+  constexpr std::array reasons = {idle_reason("idle", ""), working_reason("testing", ""), idle_reason("starved", ""),
+                                  waiting_reason("output_full", "")};
   UnitReport u = counting_unit("core0.tni", "tni", {});
   u.reasons = reasons;
   u.cycles_by_reason = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};

@@ -19,8 +19,8 @@ struct Worker {
   static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t { kIdle, kWorking, kCount };
   static constexpr auto kReasons =
-      reasons<CycleReason>({{CycleReason::kIdle, idle("idle", "nothing to do")},
-                            {CycleReason::kWorking, working("working", "a job is under way")}});
+      reasons<CycleReason>({{CycleReason::kIdle, idle_reason("idle", "nothing to do")},
+                            {CycleReason::kWorking, working_reason("working", "a job is under way")}});
   struct Stats {
     std::uint64_t jobs = 3;
     static void describe(auto& s, auto&& counter) {

@@ -213,7 +213,7 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
       best_instance = instance;
     }
   };
-  if (!image.has_levels()) test(ray, 0, 0, static_cast<std::uint32_t>(image.triangles.size()));
+  if (!image.has_two_levels()) test(ray, 0, 0, static_cast<std::uint32_t>(image.triangles.size()));
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
@@ -221,7 +221,7 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
   }
   if (!best.is_hit()) return {};
   best.triangle |= image.triangles[best.triangle].hit_flags();
-  return image.has_levels() ? with_instance(best, best_instance) : best;
+  return image.has_two_levels() ? with_instance(best, best_instance) : best;
 }
 
 std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b) {

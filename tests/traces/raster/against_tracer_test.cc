@@ -74,7 +74,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
   constexpr std::uint32_t kSide = 32;
   const Rasteriser rasteriser(image, camera, {}, kSide);
   const BvhTracer tracer(image);
-  const Numbers numbers = numbers_of(rasteriser.scene_geometry(), image.has_levels());
+  const Numbers numbers = numbers_of(rasteriser.scene_geometry(), image.has_two_levels());
   Agreement all;
   Coverage found;
   for (std::uint32_t y = 0; y < camera.height; y += kSide) {
@@ -90,7 +90,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
         all.hits += hits[i].is_hit();
         if (hits[i].is_hit() != drawn) all.apart += 1;
         if (!hits[i].is_hit() || !drawn) continue;
-        const std::uint32_t instance = image.has_levels() ? instance_of(hits[i]) : 0;
+        const std::uint32_t instance = image.has_two_levels() ? instance_of(hits[i]) : 0;
         compare(rasteriser, rays[i], found.winners[i], hits[i], numbers.at({instance, hits[i].triangle_index()}), all);
       }
     }
@@ -140,7 +140,7 @@ TEST(RasterAgainstTracer, AgreesInScenesOfTwoLevels) {
   BvhConfig bvh;
   bvh.instances = InstanceLevels::kTwoLevel;
   const MemoryImage image = build_memory_image(scene, bvh, 1);
-  ASSERT_TRUE(image.has_levels());
+  ASSERT_TRUE(image.has_two_levels());
   const Agreement found = compare(image, picture_of(scene.cameras.front(), 256, 128));
   EXPECT_LE(found.apart, 4U);
   EXPECT_LT(found.worst_depth, 1e-5);
