@@ -74,14 +74,15 @@ struct DramOrganisation {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.ranks), "ranks", "devices that share the channel's buses; rank bits lie above those of the bank",
+    field(NAMED(c.ranks), "ranks", "devices that share the channel's buses; rank bits are above the bank bits",
           sim::power_of_two(1, 2), Affects::kTiming);
     field(NAMED(c.banks), "banks", "banks of a rank, all groups together", sim::power_of_two(1, 32), Affects::kTiming);
     field(NAMED(c.bank_groups), "groups", "bank groups", sim::power_of_two(1, 8), Affects::kTiming);
-    field(NAMED(c.refresh_banks), "banks", "banks that a refresh of single banks takes together",
+    field(NAMED(c.refresh_banks), "banks", "banks that one per-bank refresh command refreshes together",
           sim::power_of_two(1, 2), Affects::kTiming);
     field(NAMED(c.rows), "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
-    field(NAMED(c.width), "lines", "data lines (area of the pads; what they move is in burst and timing)",
+    field(NAMED(c.width), "lines",
+          "data lines of the channel, for the area of the pads; bandwidth follows from burst and timing",
           sim::between(8, 64), Affects::kEnergy);
     field(NAMED(c.page), "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
     field(NAMED(c.burst), "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
@@ -130,18 +131,19 @@ struct DramTiming {
     cycles(NAMED(c.rtw), "idle data bus between read and write data", 0, 64);
     cycles(NAMED(c.rtrs), "idle data bus between bursts of two ranks", 0, 64);
     cycles(NAMED(c.xp), "end of power-down to the first command", 1, 256);
-    cycles(NAMED(c.rfc_pb), "a bank's refresh", 1, 4096);
-    cycles(NAMED(c.refi_pb), "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
-    cycles(NAMED(c.rfc_ab), "a refresh of all banks", 1, 8192);
-    cycles(NAMED(c.refi_ab), "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
-    cycles(NAMED(c.pbr2act), "from a refresh of single banks to an activate of another bank", 0, 256);
-    field(NAMED(c.pbr_in_faw), "", "a refresh of single banks counts as an activate in the window", sim::any(),
+    cycles(NAMED(c.rfc_pb), "duration of a per-bank refresh", 1, 4096);
+    cycles(NAMED(c.refi_pb), "interval between per-bank refreshes of a rank; 0: no refresh", 0, 100'000);
+    cycles(NAMED(c.rfc_ab), "duration of a refresh of all banks", 1, 8192);
+    cycles(NAMED(c.refi_ab), "interval between refreshes of all banks of a rank; 0: no refresh", 0, 1'000'000);
+    cycles(NAMED(c.pbr2act), "per-bank refresh to activate, other bank", 0, 256);
+    field(NAMED(c.pbr_in_faw), "", "a per-bank refresh counts as an activate in the tFAW window", sim::any(),
           Affects::kTiming);
     cycles(NAMED(c.ca_activate), "command bus time of an activate", 1, 8);
     cycles(NAMED(c.ca_column), "command bus time of a read or write", 1, 8);
     cycles(NAMED(c.ca_precharge), "command bus time of a precharge", 1, 8);
-    cycles(NAMED(c.aad), "ACT-1 to ACT-2 at most, each half of ca_activate; 0: one follows the other at once", 0, 16);
-    cycles(NAMED(c.wck_sync), "CAS that starts the data clock (WCK) before a read or write; 0: it is always on", 0, 8);
+    cycles(NAMED(c.aad), "longest time from ACT-1 to ACT-2, each half of ca_activate; 0: ACT-2 follows at once", 0, 16);
+    cycles(NAMED(c.wck_sync),
+           "duration of the CAS that starts the data clock (WCK) before a read or write; 0: WCK always runs", 0, 8);
     cycles(NAMED(c.wck_post), "end of data to the end of the data clock", 0, 64);
   }
 };
@@ -165,21 +167,24 @@ struct DramController {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.mapping), "", "order of the address bits", sim::any(), Affects::kTiming);
-    field(NAMED(c.bank_xor), "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
+    field(NAMED(c.bank_xor), "", "bank bits are XORed with low row bits, against conflicts of strided addresses",
+          sim::any(), Affects::kTiming);
+    field(NAMED(c.scheduler), "", "scheduling policy: first ready first come, or strictly the oldest request",
+          sim::any(), Affects::kTiming);
+    field(NAMED(c.page_policy), "", "whether a row stays open when no queued request needs it", sim::any(),
           Affects::kTiming);
-    field(NAMED(c.scheduler), "", "who goes next", sim::any(), Affects::kTiming);
-    field(NAMED(c.page_policy), "", "what becomes of a row that no queued request wants", sim::any(), Affects::kTiming);
-    field(NAMED(c.refresh), "", "refresh bank by bank or all at once", sim::any(), Affects::kTiming);
-    field(NAMED(c.refresh_order), "", "which bank is refreshed next, bank by bank", sim::any(), Affects::kTiming);
+    field(NAMED(c.refresh), "", "refreshes of single banks, or of all banks at once", sim::any(), Affects::kTiming);
+    field(NAMED(c.refresh_order), "", "which bank is refreshed next, with refresh: per_bank", sim::any(),
+          Affects::kTiming);
     field(NAMED(c.power_down), "", "an idle channel closes its rows and powers its devices down", sim::any(),
           Affects::kTiming);
     field(NAMED(c.power_down_after), "nCK", "idle time before power-down", sim::between(1, 1'000'000),
           Affects::kTiming);
     field(NAMED(c.read_queue), "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.write_queue), "requests", "writes waiting in a channel", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.write_high), "requests", "waiting writes at which they go before reads", sim::between(1, 64),
-          Affects::kTiming);
-    field(NAMED(c.write_low), "requests", "waiting writes at which reads go first again", sim::between(0, 63),
+    field(NAMED(c.write_high), "requests", "waiting writes at which the channel starts to serve writes before reads",
+          sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.write_low), "requests", "waiting writes at which it serves reads first again", sim::between(0, 63),
           Affects::kTiming);
     field(NAMED(c.age_limit), "nCK", "age from which a queue's oldest request is no longer overtaken in its bank",
           sim::between(1, 1'000'000), Affects::kTiming);
@@ -212,10 +217,11 @@ struct DramEnergy {
     energy(NAMED(c.phy), "pJ", "controller and PHY on the GPU's die, per burst");
     energy(NAMED(c.refresh), "pJ", "a refresh bank by bank, above standby");
     energy(NAMED(c.refresh_all), "pJ", "a refresh of all banks, above standby");
-    energy(NAMED(c.active_standby), "mW", "a rank while a row is open somewhere, clock included");
-    energy(NAMED(c.precharge_standby), "mW", "a rank while every row is closed, clock included");
-    energy(NAMED(c.power_down_standby), "mW", "a rank in power-down");
-    energy(NAMED(c.self_refresh_array), "mW", "refreshing a rank's whole array in self refresh, above power-down");
+    energy(NAMED(c.active_standby), "mW", "power of a rank with an open row, clock included");
+    energy(NAMED(c.precharge_standby), "mW", "power of a rank with all rows closed, clock included");
+    energy(NAMED(c.power_down_standby), "mW", "power of a rank in power-down");
+    energy(NAMED(c.self_refresh_array), "mW",
+           "power of refreshing a rank's whole array in self refresh, above power-down");
   }
 };
 
@@ -234,13 +240,13 @@ struct DramConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.grade), "", "name of the speed grade for reports, any text; extends takes another grade's figures",
+    field(NAMED(c.grade), "", "name of the speed grade, for reports; `extends` selects another grade's values",
           sim::any(), Affects::kReport);
     field(NAMED(c.channels), "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
           Affects::kTiming);
     field(NAMED(c.line), "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);
-    field(NAMED(c.fabric), "ns", "fixed part of a read's latency between the GPU and the controller",
-          sim::between(0, 1e9), Affects::kTiming);
+    field(NAMED(c.fabric), "ns", "fixed latency of a read between the GPU and the controller", sim::between(0, 1e9),
+          Affects::kTiming);
     field(NAMED(c.idle), "", "state of the devices between frames (raywatt dvfs, sustain)", sim::any(),
           Affects::kEnergy);
     field(NAMED(c.refreshed_part), "", "part of the array that self refresh keeps (partial-array self refresh)",

@@ -19,14 +19,15 @@ struct DirectInterfaceConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.enabled), "", "off: rays and hits are written to memory and read back", sim::any(), Affects::kTiming);
-    field(NAMED(c.depth), "records", "FIFO slots, each way; off: records that are read ahead, too",
-          sim::between(1, 4096), Affects::kTiming);
-    field(NAMED(c.interval), "cycles", "T&I cycles from one record to the next, each way", sim::between(1, 64),
+    field(NAMED(c.enabled), "", "false: rays and hits are written to memory and read back", sim::any(),
           Affects::kTiming);
-    field(NAMED(c.ray_bytes), "bytes", "of a ray in memory, if off", sim::between(8, 256), Affects::kTiming);
-    field(NAMED(c.hit_bytes), "bytes", "of a hit in memory, if off", sim::between(8, 256), Affects::kTiming);
-    field(NAMED(c.ring), "records", "room in memory for rays, and for as many hits, of each core, if off",
+    field(NAMED(c.depth), "records", "FIFO slots in each direction; if disabled, also records read ahead from memory",
+          sim::between(1, 4096), Affects::kTiming);
+    field(NAMED(c.interval), "cycles", "T&I cycles from one ray, or hit, to the next", sim::between(1, 64),
+          Affects::kTiming);
+    field(NAMED(c.ray_bytes), "bytes", "bytes of a ray in memory, if disabled", sim::between(8, 256), Affects::kTiming);
+    field(NAMED(c.hit_bytes), "bytes", "bytes of a hit in memory, if disabled", sim::between(8, 256), Affects::kTiming);
+    field(NAMED(c.ring), "records", "rays, and hits, of each core that fit in memory, if disabled",
           sim::between(1, 65536), Affects::kTiming);
   }
   void check(auto&& complain) const {

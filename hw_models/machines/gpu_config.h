@@ -46,19 +46,17 @@ struct IdealConfig {
 
 inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = {{
     {"tni", "T&I units", &IdealConfig::tni,
-     "T&I units do any number of operations a cycle, each in one cycle, on 64 rays a traversal unit; their caches stay "
-     "as they are"},
+     "T&I units do any number of operations per cycle, each in one cycle, on 64 rays per traversal unit; their caches "
+     "are unchanged"},
     {"l1", "first-level caches", &IdealConfig::l1, "every probe of a node, triangle or data cache hits"},
-    {"l2", "L2 banks", &IdealConfig::l2, "every look-up hits, any number a cycle, each in one cycle"},
+    {"l2", "L2 banks", &IdealConfig::l2, "every look-up hits; any number per cycle, each in one cycle"},
     {"dram", "memory channels", &IdealConfig::dram,
-     "channels take any number of requests a cycle and answer each a cycle later"},
+     "channels take any number of requests per cycle and answer each one cycle later"},
     {"srp", "shader cores", &IdealConfig::srp,
-     "kernels cost no time: any number of items a cycle, no switches; they still wait for lines that their data cache "
-     "does not have"},
-    {"tile_buffer", "tile buffers", &IdealConfig::tile_buffer,
-     "room for every ray slot, any number of accesses a cycle"},
+     "kernels take no time and no switches; they still wait for data-cache misses"},
+    {"tile_buffer", "tile buffers", &IdealConfig::tile_buffer, "unlimited ray slots and accesses per cycle"},
     {"interconnect", "core ports and wires", &IdealConfig::interconnect,
-     "any number of requests and lines a cycle, each in one cycle"},
+     "any number of requests and lines per cycle, each in one cycle"},
 }};
 
 /// Clock domains on the chip. The clock of the memory is part of the memory's configuration.
@@ -73,7 +71,7 @@ struct ClockConfig {
     field(NAMED(c.tni), "Hz", "traversal & intersection units", sim::between(1e6, 1e10), Affects::kTiming);
     field(NAMED(c.srp), "Hz", "shader cores, tile buffers and DMA", sim::between(1e6, 1e10), Affects::kTiming);
     field(NAMED(c.l2), "Hz", "L2, interconnect and tile dispatcher", sim::between(1e6, 1e10), Affects::kTiming);
-    field(NAMED(c.synchroniser), "cycles", "cycles of the receiving clock to cross into its domain",
+    field(NAMED(c.synchroniser), "cycles", "cycles of the receiving clock added to each crossing between clock domains",
           sim::between(0, 16), Affects::kTiming);
   }
 };
@@ -82,7 +80,7 @@ struct DmaConfig {
   std::uint32_t depth = 8;
 
   static void describe(auto& c, auto&& field) {
-    field(NAMED(c.depth), "lines", "line requests on their way into the interconnect", sim::between(1, 1024),
+    field(NAMED(c.depth), "lines", "line requests in the queue to the interconnect", sim::between(1, 1024),
           sim::Affects::kTiming);
   }
 };
@@ -119,12 +117,11 @@ struct GpuConfig {
     field.group(NAMED(c.slc), "system cache, a slice in front of each memory channel");
     field.group(NAMED(c.background), "traffic of the rest of the chip on the memory channels");
     field.group(NAMED(c.dram), "memory channels");
-    field.group(NAMED(c.ideal), "resources made perfect, for bounds (--ideal)");
-    field(
-        NAMED(c.watchdog), "cycles",
-        "T&I cycles after which a machine that retires nothing ends as stuck; 0: eight times the longest latency that "
-        "an item can meet on it",
-        sim::between(0, 1e9), sim::Affects::kTiming);
+    field.group(NAMED(c.ideal), "ideal resources, for upper bounds (--ideal)");
+    field(NAMED(c.watchdog), "cycles",
+          "T&I cycles without a retired item after which the run ends as stuck; 0: eight times the longest latency of "
+          "an item",
+          sim::between(0, 1e9), sim::Affects::kTiming);
   }
   void check(auto&& complain) const {
     const auto line = [&](const char* key, const sim::ByteSize& size) {

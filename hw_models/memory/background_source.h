@@ -29,10 +29,11 @@ struct BackgroundConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.rate), "GB/s", "lines that the rest of the chip reads and writes, all channels together; 0: none",
+    field(NAMED(c.rate), "GB/s",
+          "bandwidth of the rest of the chip's reads and writes, summed over all channels; 0: none",
           sim::between(0, 1000), Affects::kTiming);
-    field(NAMED(c.pattern), "", "order of their addresses", sim::any(), Affects::kTiming);
-    field(NAMED(c.writes), "", "share of them that are writes", sim::between(0, 1), Affects::kTiming);
+    field(NAMED(c.pattern), "", "order of the traffic's addresses", sim::any(), Affects::kTiming);
+    field(NAMED(c.writes), "", "fraction of the lines that are written", sim::between(0, 1), Affects::kTiming);
   }
 };
 

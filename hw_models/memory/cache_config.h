@@ -30,19 +30,19 @@ struct CacheConfig {
 
   static void describe(auto& c, auto&& field) {
     describe_shape(c, field);
-    field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit; auto: by its size and latency.*",
+    field(NAMED(c.hit_cycles), "cycles", "latency of a hit, from probe to data; auto: from size and latency.*",
           sim::between(1, 64), sim::Affects::kTiming);
   }
   /// Declares all fields except hit_cycles, for caches whose hit time is configured elsewhere.
   static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.size), "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
+    field(NAMED(c.size), "bytes", "capacity: sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
     field(NAMED(c.line), "bytes", "bytes of one line", sim::power_of_two(16, 256), Affects::kTiming);
     field(NAMED(c.ways), "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.replacement), "", "which line of a full set goes; plru wants a power of two of ways", sim::any(),
+    field(NAMED(c.replacement), "", "replacement policy; plru needs a power of two of ways", sim::any(),
           Affects::kTiming);
-    field(NAMED(c.mshrs), "registers", "miss status holding registers: lines that can be outstanding at once",
-          sim::between(1, 256), Affects::kTiming);
+    field(NAMED(c.mshrs), "registers", "miss status holding registers: lines in flight", sim::between(1, 256),
+          Affects::kTiming);
   }
 
   void check(auto&& complain) const {
@@ -86,12 +86,11 @@ struct L2Config {
     using sim::Affects;
     CacheConfig::describe(c.cache, field);
     field(NAMED(c.banks), "banks", "banks, interleaved by line", sim::power_of_two(1, 64), Affects::kTiming);
-    field(NAMED(c.lookup_cycles), "cycles", "from a request's arrival until its miss leaves", sim::between(1, 64),
+    field(NAMED(c.lookup_cycles), "cycles", "from the arrival of a request until its miss is sent to memory",
+          sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.targets), "requests", "requests that may wait for one line in flight", sim::between(1, kMaxTargets),
           Affects::kTiming);
-    field(NAMED(c.targets), "requests", "requests that may wait for one line on its way", sim::between(1, kMaxTargets),
-          Affects::kTiming);
-    field(NAMED(c.writes), "",
-          "what becomes of writes: kept until the line is replaced, passed on, or passed on and the line forgotten",
+    field(NAMED(c.writes), "", "write policy: write-back, write-through, or write-around (the line is invalidated)",
           sim::any(), Affects::kTiming);
   }
   void check(auto&& complain) const {

@@ -25,12 +25,13 @@ struct InterconnectConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.latency), "cycles", "one way between a core and an L2 bank or the memory controller",
+    field(NAMED(c.latency), "cycles", "latency between a core and an L2 bank or memory controller, in each direction",
           sim::between(1, 100), Affects::kTiming);
-    field(c.width_bytes, "width", "bytes", "of a line carried per cycle and direction", sim::power_of_two(8, 256),
-          Affects::kTiming);
+    field(c.width_bytes, "width", "bytes", "bytes of a line carried per cycle in each direction",
+          sim::power_of_two(8, 256), Affects::kTiming);
     field(NAMED(c.link_depth), "entries", "slots of each link", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.arbitration), "", "who goes first at a core's ports and at an L2 bank", sim::any(), Affects::kTiming);
+    field(NAMED(c.arbitration), "", "order in which requesters are served at a core's ports and at an L2 bank",
+          sim::any(), Affects::kTiming);
   }
   std::uint32_t cycles_of(std::uint64_t bytes) const {
     return static_cast<std::uint32_t>((bytes + width_bytes - 1) / width_bytes);

@@ -16,16 +16,15 @@ struct SystemCacheConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.cache.size, "size", "bytes", "data held; 0: there is no system cache", sim::between(0, 64 << 20),
-          Affects::kTiming);
+    field(c.cache.size, "size", "bytes", "capacity; 0: no system cache", sim::between(0, 64 << 20), Affects::kTiming);
     field(c.cache.ways, "ways", "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
-    field(c.cache.replacement, "replacement", "",
-          "line of a full set that is replaced; plru needs a power of two of ways", sim::any(), Affects::kTiming);
-    field(c.cache.mshrs, "mshrs", "registers", "misses in flight", sim::between(1, 1024), Affects::kTiming);
-    field(c.cache.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit, in cycles of the L2's clock",
-          sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.lookup_cycles), "cycles", "from a request's arrival until its miss leaves", sim::between(1, 64),
+    field(c.cache.replacement, "replacement", "", "replacement policy; plru needs a power of two of ways", sim::any(),
           Affects::kTiming);
+    field(c.cache.mshrs, "mshrs", "registers", "misses in flight", sim::between(1, 1024), Affects::kTiming);
+    field(c.cache.hit_cycles, "hit_cycles", "cycles",
+          "latency of a hit, from probe to data, in cycles of the L2's clock", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.lookup_cycles), "cycles", "from the arrival of a request until its miss is sent to memory",
+          sim::between(1, 64), Affects::kTiming);
   }
   bool is_present() const { return cache.size.bytes != 0; }
   /// Returns the configuration of the slices as L2 banks.

@@ -33,13 +33,13 @@ struct RasterUnitConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field.group(NAMED(c.l1), "cache of vertices, lists and triangles' vertex numbers");
-    field(NAMED(c.lookups), "lines", "lines looked up in it each cycle", sim::between(1, 8), Affects::kTiming);
-    field(NAMED(c.window), "triangles", "triangles that lines are fetched for at once", sim::between(1, 64),
+    field(NAMED(c.lookups), "lines", "lines looked up in its cache per cycle", sim::between(1, 8), Affects::kTiming);
+    field(NAMED(c.window), "triangles", "triangles whose lines are fetched at the same time", sim::between(1, 64),
           Affects::kTiming);
     field(NAMED(c.jobs), "jobs",
-          "tiles' waves and batches of triangles that it holds; lists of later ones are prefetched",
+          "jobs (waves of a tile, batches of triangles) that it holds; lines of later jobs are prefetched",
           sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.vertex_cache), "vertices", "vertices lately transformed, which triangles of the same batch use again",
+    field(NAMED(c.vertex_cache), "vertices", "recently transformed vertices that triangles of the same batch reuse",
           sim::between(1, 4096), Affects::kTiming);
     field(NAMED(c.vertex_interval), "cycles", "cycles between two vertices to be transformed", sim::between(1, 1024),
           Affects::kTiming);
@@ -53,17 +53,21 @@ struct RasterUnitConfig {
           Affects::kTiming);
     field(NAMED(c.quad_interval), "cycles", "cycles between two quads of fine coverage", sim::between(1, 1024),
           Affects::kTiming);
-    field(NAMED(c.sub_samples), "samples", "samples of each pixel of a quad that are tested at once; more take turns",
+    field(NAMED(c.sub_samples), "samples", "samples of each pixel of a quad that are tested in one pass",
           sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.hierarchical_z), "", "blocks that are full of nearer surfaces are left out before fine coverage",
+    field(NAMED(c.hierarchical_z), "", "blocks that nearer surfaces cover completely are skipped before fine coverage",
           sim::any(), Affects::kTiming);
-    field(NAMED(c.depth_buffer), "bytes", "depth and number of the nearest triangle, of all samples of a wave",
+    field(NAMED(c.depth_buffer), "bytes",
+          "storage of depth and nearest triangle for the samples of a wave; larger waves take several passes",
           sim::between(64, 1 << 20), Affects::kTiming);
-    field(NAMED(c.depth_bytes), "bytes", "those of one sample", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.plane_bytes), "bytes", "what a sample gets in the tile buffer: its hit, and planes beside it",
+    field(NAMED(c.depth_bytes), "bytes", "bytes of depth and nearest triangle per sample", sim::between(1, 64),
+          Affects::kTiming);
+    field(NAMED(c.plane_bytes), "bytes", "bytes written to the tile buffer per sample: its hit, and planes if any",
           sim::between(16, 256), Affects::kTiming);
-    field(NAMED(c.plane_width), "bytes", "bytes of that written in a cycle", sim::between(16, 1024), Affects::kTiming);
-    field(NAMED(c.write_buffer), "lines", "lines on their way to memory", sim::between(4, 256), Affects::kTiming);
+    field(NAMED(c.plane_width), "bytes", "bytes written to the tile buffer per cycle", sim::between(16, 1024),
+          Affects::kTiming);
+    field(NAMED(c.write_buffer), "lines", "lines waiting to be written to memory", sim::between(4, 256),
+          Affects::kTiming);
   }
   void check(auto&& complain) const {
     l1.check([&](const char* key, const std::string& what) { complain((std::string("l1.") + key).c_str(), what); });

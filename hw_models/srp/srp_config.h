@@ -28,14 +28,15 @@ struct ArrayConfig {
     field(NAMED(c.columns), "units", "functional units of a row", sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.mul_units), "units", "functional units with a multiplier", sim::between(1, 256), Affects::kTiming);
     field(NAMED(c.mul_add), "",
-          "units with a multiplier also add to the product or subtract, rounding in between, as one operation",
-          sim::any(), Affects::kTiming);
+          "multipliers can add to or subtract from the product in the same operation, with both roundings", sim::any(),
+          Affects::kTiming);
     field(NAMED(c.div_sqrt_units), "units", "functional units with a divider and square root", sim::between(1, 256),
           Affects::kTiming);
-    field(NAMED(c.local_ports), "ports", "16-byte loads or stores of local memory a cycle", sim::between(1, 16),
+    field(NAMED(c.local_ports), "ports", "16-byte loads or stores of local memory per cycle", sim::between(1, 16),
           Affects::kTiming);
-    field(NAMED(c.cache_ports), "ports", "loads through the data cache a cycle", sim::between(1, 16), Affects::kTiming);
-    field(NAMED(c.cache_port_width), "bytes", "of a record that such a load brings", sim::power_of_two(16, 64),
+    field(NAMED(c.cache_ports), "ports", "loads through the data cache per cycle", sim::between(1, 16),
+          Affects::kTiming);
+    field(NAMED(c.cache_port_width), "bytes", "bytes of a record that one such load reads", sim::power_of_two(16, 64),
           Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -82,15 +83,17 @@ struct OpLatencyConfig {
     field(NAMED(c.fp_compare), "cycles", "floating-point comparison, minimum, maximum", cycles, Affects::kTiming);
     field(NAMED(c.div_sqrt), "cycles", "division and square root", cycles, Affects::kTiming);
     field(NAMED(c.div_sqrt_interval), "cycles",
-          "a division or square root keeps its functional unit this long (1: pipelined)", cycles, Affects::kTiming);
+          "cycles that a division or square root occupies its functional unit (1: pipelined)", cycles,
+          Affects::kTiming);
     field(NAMED(c.integer), "cycles", "integer addition and comparison, logic, shift, select", cycles,
           Affects::kTiming);
     field(NAMED(c.int_mul), "cycles", "integer multiplication", cycles, Affects::kTiming);
     field(NAMED(c.convert), "cycles", "between float and integer, floor", cycles, Affects::kTiming);
     field(NAMED(c.local_load), "cycles", "load from tile buffer or kernel data", cycles, Affects::kTiming);
-    field(NAMED(c.cached_load), "cycles", "load that hits the data cache, without its queue", cycles, Affects::kTiming);
+    field(NAMED(c.cached_load), "cycles", "load that hits the data cache, without load_queue", cycles,
+          Affects::kTiming);
     field(NAMED(c.load_queue), "cycles",
-          "every load of the data cache also waits in a queue this long, so that a line which comes by then is in time",
+          "queueing time of every data-cache load; a miss that is filled within this time stalls nothing",
           sim::between(0, kMostLoadCycles - 1), Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -125,22 +128,24 @@ struct SrpConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field.group(NAMED(c.array), "functional units and memory ports");
-    field.group(NAMED(c.latency), "of operations and loads");
+    field.group(NAMED(c.latency), "latencies of operations and loads");
     field(NAMED(c.switch_cycles), "cycles",
-          "to another kernel on the array that is resident in configuration memory; another is loaded first",
+          "cycles to switch to a kernel in configuration memory; other kernels are loaded first",
           sim::between(0, 100'000), Affects::kTiming);
     field(NAMED(c.chunk), "items", "items of a launch that run as one loop", sim::between(1, 65536), Affects::kTiming);
-    field(NAMED(c.merge), "", "chunks of one kernel that wait at once run as one loop, up to `chunk` items", sim::any(),
+    field(NAMED(c.merge), "", "ready chunks of one kernel run as one loop of up to `chunk` items", sim::any(),
           Affects::kTiming);
     field.group(NAMED(c.data_cache), "attributes, materials and textures");
-    field(NAMED(c.kernel_data), "bytes", "local memory for kernel data beside the tile buffer (it leaks)",
+    field(NAMED(c.kernel_data), "bytes",
+          "local memory for kernel data in addition to the tile buffer, for leakage and area",
           sim::between(0, 16 << 20), Affects::kEnergy);
-    field(NAMED(c.config_memory), "bytes",
-          "configuration memory of the array: kernels that fit together are resident (it leaks)",
+    field(NAMED(c.config_memory), "bytes", "configuration memory of the array, which holds as many kernels as fit",
           sim::between(0, 16 << 20), Affects::kTiming);
-    field(NAMED(c.config_word), "bytes", "configuration of a functional unit for a cycle of a kernel's interval",
-          sim::between(1, 256), Affects::kTiming);
-    field(NAMED(c.config_load), "bytes", "configuration loaded a cycle", sim::between(1, 65536), Affects::kTiming);
+    field(NAMED(c.config_word), "bytes",
+          "configuration of one functional unit for one cycle of a kernel's initiation interval", sim::between(1, 256),
+          Affects::kTiming);
+    field(NAMED(c.config_load), "bytes", "configuration bytes loaded from memory per cycle", sim::between(1, 65536),
+          Affects::kTiming);
   }
 
   /// Returns the bytes of configuration memory that a kernel with initiation interval `ii` occupies.

@@ -25,16 +25,14 @@ struct TileBufferConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.size), "bytes", "storage of one core's tile buffer", sim::between(1024, 16 << 20), Affects::kTiming);
-    field(NAMED(c.tiles_in_flight), "tiles", "tiles a core works on at once, in a frame's first pass",
+    field(NAMED(c.tiles_in_flight), "tiles", "tiles that a core works on at once in a frame's first pass",
           sim::between(1, 16), Affects::kTiming);
-    field(NAMED(c.ray_share), "",
-          "share of the storage that ray slots have at least, if need be with fewer tiles in flight",
+    field(NAMED(c.ray_share), "", "least share of the storage for ray slots; fewer tiles are in flight if necessary",
           sim::between(0, 0.95), Affects::kTiming);
     field(NAMED(c.tiles_in_pass), "tiles",
-          "tiles a core works on at once in later passes, as far as they fit where those of the first have been",
+          "tiles that a core works on at once in later passes, if they fit in the space of the first pass's tiles",
           sim::between(1, 16), Affects::kTiming);
-    field(NAMED(c.slot_bytes), "bytes", "a ray and the place reserved for its hit", sim::between(16, 256),
-          Affects::kTiming);
+    field(NAMED(c.slot_bytes), "bytes", "storage of a ray and its hit", sim::between(16, 256), Affects::kTiming);
     field(NAMED(c.colour_bytes), "bytes", "colour accumulator of a sample", sim::between(4, 64), Affects::kTiming);
     field(NAMED(c.banks), "banks", "16-byte banks that can be accessed in the same cycle", sim::power_of_two(1, 64),
           Affects::kTiming);

@@ -44,8 +44,8 @@ struct RauConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.rows), "rows", "lines waited for at once, each with its rays", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.rays), "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.rows), "rows", "lines that rays wait for at the same time", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.rays), "rays", "rays that can wait for one line", sim::between(1, 64), Affects::kTiming);
   }
   /// Returns the size of the RAU table in bytes; a row holds a line and `rays` rays.
   std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
@@ -82,25 +82,26 @@ struct TrvConfig {
     using sim::Affects;
     field(NAMED(c.rays), "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.box_testers), "testers",
-          "2: both child boxes at once, beside stack and leaf pipes; 1: one box a pass, all work through one pipe",
+          "2: a visit tests both child boxes at once, parallel to stack and leaf pipes; 1: one box per pass, one pipe "
+          "for all work",
           sim::between(1, 2), Affects::kWalk);
     field(NAMED(c.box_latency), "cycles", "pipeline depth of a box test", sim::between(1, 40), Affects::kTiming);
-    field(NAMED(c.leaf_latency), "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
+    field(NAMED(c.leaf_latency), "cycles", "latency of the leaf sub-pipe, to the intersection unit's buffer",
           sim::between(1, 16), Affects::kTiming);
-    field(NAMED(c.stack_latency), "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.stack_latency), "cycles", "latency of a stack pop", sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.transform_latency), "cycles",
-          "carrying a ray into the space of an instance (bvh.instances: two_level), in the box test's place",
+          "latency of transforming a ray into an instance's space in the box pipe (bvh.instances: two_level)",
           sim::between(1, 40), Affects::kTiming);
-    field(NAMED(c.stack), "", "where far children wait", sim::any(), Affects::kWalk);
+    field(NAMED(c.stack), "", "stack scheme: where far children are kept", sim::any(), Affects::kWalk);
     field(NAMED(c.stack_entries), "entries",
-          "entries per ray of the short stack; for a full stack, the entries counted for leakage and area; 0: "
-          "restart_trail without a stack",
+          "entries of each ray's short stack; with stack: full, entries that take area and leak; 0: restart_trail "
+          "without a stack",
           sim::between(0, 64), Affects::kWalk);
-    field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
+    field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry, for leakage and area", sim::between(1, 64),
           Affects::kEnergy);
-    field(NAMED(c.ray_bytes), "bytes", "storage of a ray in the input buffer (it leaks)", sim::between(16, 256),
-          Affects::kEnergy);
-    field(NAMED(c.prefetch), "", "node lines asked for ahead of need", sim::any(), Affects::kTiming);
+    field(NAMED(c.ray_bytes), "bytes", "storage of a ray in the input buffer, for leakage and area",
+          sim::between(16, 256), Affects::kEnergy);
+    field(NAMED(c.prefetch), "", "which node lines are prefetched", sim::any(), Affects::kTiming);
     field.group(NAMED(c.l1), "private node cache");
   }
   void check(auto&& complain) const {
@@ -130,12 +131,12 @@ struct IstConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.leaves), "leaves", "leaves held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.leaf_bytes), "bytes", "storage of a leaf and its ray in the input buffer (it leaks)",
+    field(NAMED(c.leaf_bytes), "bytes", "storage of a leaf and its ray in the input buffer, for leakage and area",
           sim::between(16, 256), Affects::kEnergy);
-    field(NAMED(c.distance_stage), "cycles", "stage after which a test that fails on distance is known",
-          sim::between(1, 40), Affects::kTiming);
-    field(NAMED(c.barycentric_stage), "cycles", "stage after which a test that fails on the edges is known",
-          sim::between(1, 40), Affects::kTiming);
+    field(NAMED(c.distance_stage), "cycles", "stages until a test that fails by distance ends", sim::between(1, 40),
+          Affects::kTiming);
+    field(NAMED(c.barycentric_stage), "cycles", "stages until a test that fails by edges ends", sim::between(1, 40),
+          Affects::kTiming);
     field(NAMED(c.latency), "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
           Affects::kTiming);
     field.group(NAMED(c.l1), "triangle cache");
@@ -175,9 +176,9 @@ struct TniConfig {
     field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
     field.not_modelled("sort", "rays keep the order of the shader core");
     field.not_modelled("predictor", "every ray starts at the root of the tree");
-    field(NAMED(c.miss_handling), "", "what becomes of a ray or leaf whose line is not in its L1", sim::any(),
+    field(NAMED(c.miss_handling), "", "how a ray or leaf that misses in its L1 is handled", sim::any(),
           Affects::kTiming);
-    field.group(NAMED(c.rau), "table of waiting rays (miss_handling: rau), one per L1");
+    field.group(NAMED(c.rau), "table of waiting rays, one per L1, with miss_handling: rau");
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
   }

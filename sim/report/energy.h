@@ -42,7 +42,7 @@ struct EnergyConfig {
     };
     energy(NAMED(c.process), "", "technology of the table", any());
     energy(NAMED(c.events), "pJ", "energy of one event, without its share of the clock tree", at_least(0));
-    energy(NAMED(c.clock_share), "", "share of the clock tree in a block's dynamic energy", between(0, 0.9));
+    energy(NAMED(c.clock_share), "", "fraction of a block's dynamic energy that is its clock tree", between(0, 0.9));
     energy(NAMED(c.sram_leakage), "mW/KiB", "leakage of storage", at_least(0));
     energy(NAMED(c.logic_leakage), "mW/mm2", "leakage of logic", at_least(0));
     energy(NAMED(c.logic), "mm2", "area of a unit's logic", at_least(0));

@@ -44,7 +44,7 @@ struct PowerConfig {
     const auto power = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
       field(value, name, unit, meaning, limits, Affects::kEnergy);
     };
-    power(NAMED(c.process), "", "what the figures describe", any());
+    power(NAMED(c.process), "", "technology of the table", any());
     power(NAMED(c.voltage), "",
           "voltage used for energies: that of the energy table at any clock, or the one that each clock needs by dvfs",
           any());
@@ -53,7 +53,7 @@ struct PowerConfig {
     power(NAMED(c.nominal_voltage), "V", "voltage of the energy table", between(0.1, 5));
     power(NAMED(c.max_voltage), "V", "highest voltage that the process allows; a clock that needs more is a warning",
           between(0.1, 5));
-    power(NAMED(c.temperature), "C", "of the chip, for leakage", between(-40, 150));
+    power(NAMED(c.temperature), "C", "temperature of the chip, for leakage", between(-40, 150));
     power(NAMED(c.nominal_temperature), "C", "temperature of the energy table", between(-40, 150));
     power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));
     power(NAMED(c.leakage_doubling), "C", "rise of temperature that doubles leakage", between(1, 1000));

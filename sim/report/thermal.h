@@ -26,9 +26,9 @@ struct ThermalConfig {
     thermal(NAMED(c.minutes), "min", "time over which a run repeats its frames in the device; 0: not at all",
             between(0, 10'000));
     thermal(NAMED(c.ambient), "C", "temperature of the air", between(-40, 60));
-    thermal(NAMED(c.die_resistance), "K/W", "from the die to the body", between(0.01, 1000));
+    thermal(NAMED(c.die_resistance), "K/W", "thermal resistance from the die to the body", between(0.01, 1000));
     thermal(NAMED(c.die_capacity), "J/K", "heat that warms the die and its package by a degree", between(1e-4, 1e4));
-    thermal(NAMED(c.body_resistance), "K/W", "from the body to the air", between(0.01, 1000));
+    thermal(NAMED(c.body_resistance), "K/W", "thermal resistance from the body to the air", between(0.01, 1000));
     thermal(NAMED(c.body_capacity), "J/K", "heat that warms the body by a degree", between(1e-3, 1e6));
     thermal(NAMED(c.other_power), "W", "heat of the rest of the device, into the body", between(0, 1000));
     thermal(NAMED(c.die_limit), "C", "temperature of the die above which the governor slows clocks", between(0, 150));

@@ -36,7 +36,7 @@ struct BvhConfig {
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
-    field(NAMED(c.leaf_size), "triangles", "largest leaf", sim::between(1, kMaxLeafTriangles), kFunction);
+    field(NAMED(c.leaf_size), "triangles", "most triangles in a leaf", sim::between(1, kMaxLeafTriangles), kFunction);
     field(NAMED(c.max_depth), "levels", "deepest tree; the last eight levels split at the median", sim::between(16, 96),
           kFunction);
     field(NAMED(c.traversal_cost), "", "surface area heuristic: cost of an inner node", sim::between(0.01, 100),
@@ -52,18 +52,18 @@ struct BvhConfig {
           "moving scenes: rebuild the tree for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
     field(NAMED(c.instances), "",
-          "meshes that stand in several places: copied to each, under one tree, or kept once, each with a tree of its "
-          "own below a tree of instances",
+          "meshes with several instances: copied for each, under one tree, or stored once with a tree of their own "
+          "below a tree of instances",
           sim::any(), kFunction);
     field(NAMED(c.numbers), "",
-          "of box planes and ray origin: floats, or hybrid: fixed point, times a floating-point reciprocal of the "
-          "direction",
+          "number format of box planes and ray origin: floats, or fixed point with a floating-point reciprocal of the "
+          "direction (hybrid)",
           sim::any(), kFunction);
     field(NAMED(c.boxes), "", "a record of the tree holds both child boxes of a node, or a single box", sim::any(),
           kLayout);
     field(NAMED(c.triangle_bytes), "bytes",
-          "a triangle: 48, or 36 for its vertices alone, the rest in an array of its own", sim::between(36, 48),
-          kLayout);
+          "size of a triangle record: 48, or 36 for the vertices only, with the rest in a separate array",
+          sim::between(36, 48), kLayout);
   }
   void check(auto&& complain) const {
     if (triangle_bytes != 36 && triangle_bytes != 48) {

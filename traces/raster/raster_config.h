@@ -16,7 +16,7 @@ struct RasterConfig {
     field(NAMED(c.batch), "triangles", "triangles that a core puts into lists at a time, in the geometry pass",
           sim::between(1, 1 << 20), Affects::kFunction);
     field(NAMED(c.block), "pixels",
-          "side of a block of pixels: coarse coverage is found of it, and the hierarchical z buffer keeps its depth",
+          "side of a block of pixels, the unit of coarse coverage and of the hierarchical z buffer",
           sim::power_of_two(2, 64), Affects::kFunction);
   }
 };

@@ -18,12 +18,12 @@ struct SceneLimits {
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
-    field(NAMED(c.memory), "bytes", "all that a scene's files hold, decoded and laid out for the GPU; more is refused",
+    field(NAMED(c.memory), "bytes", "largest size of a scene's files, decoded and laid out for the GPU",
           sim::at_least(1 << 20), kFunction);
-    field(NAMED(c.pixels), "pixels", "of all images together; 134217728 is 32 times 2048 x 2048", sim::at_least(1),
-          kFunction);
-    field(NAMED(c.json_depth), "levels", "nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
-    field(NAMED(c.nodes), "nodes", "of a glTF file's hierarchy, and entries of any other list of the file",
+    field(NAMED(c.pixels), "pixels", "most pixels of all images together; 134217728 is 32 times 2048 x 2048",
+          sim::at_least(1), kFunction);
+    field(NAMED(c.json_depth), "levels", "deepest nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
+    field(NAMED(c.nodes), "nodes", "most nodes of a glTF file, and most entries of any other list of the file",
           sim::at_least(1), kFunction);
   }
 };

@@ -45,10 +45,12 @@ struct LightsConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.rig), "",
-          "which lights shine: the scene's, the one that lights its first camera's view best, or one of one's own",
+          "lights of the run: the scene's, only the one that makes its first camera's view brightest, or a given point "
+          "light or sun",
           sim::any(), Affects::kFunction);
-    field(NAMED(c.position), "", "of one's own point light", sim::any(), Affects::kFunction);
-    field(NAMED(c.direction), "", "in which the light of one's own sun travels", sim::any(), Affects::kFunction);
+    field(NAMED(c.position), "", "position of the given point light", sim::any(), Affects::kFunction);
+    field(NAMED(c.direction), "", "direction in which the light of the given sun travels", sim::any(),
+          Affects::kFunction);
     field(NAMED(c.intensity), "", "linear RGB; point: per steradian, sun: irradiance (1 makes white shine white)",
           sim::at_least(0), Affects::kFunction);
   }
@@ -64,7 +66,7 @@ struct SkyConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.source), "", "the scene's sky, or one's own", sim::any(), Affects::kFunction);
+    field(NAMED(c.source), "", "the scene's sky, or one given by the keys below", sim::any(), Affects::kFunction);
     field(NAMED(c.background), "", "linear RGB of rays that leave the scene, if own", sim::at_least(0),
           Affects::kFunction);
     field(NAMED(c.ambient), "", "linear RGB of constant irradiance on every surface, if own", sim::at_least(0),
@@ -83,11 +85,13 @@ struct ViewConfig {
     using sim::Affects;
     constexpr double kFar = 1e9;  // the largest distance, whose square is a finite float
     const sim::Limits anywhere = sim::between(-kFar, kFar);
-    field(NAMED(c.source), "", "a camera of the scene, or one's own", sim::any(), Affects::kFunction);
-    field(NAMED(c.position), "", "of one's own camera, in the scene's units", anywhere, Affects::kFunction);
-    field(NAMED(c.target), "", "point in the middle of its picture", anywhere, Affects::kFunction);
-    field(NAMED(c.up), "", "direction that is upwards in its picture", anywhere, Affects::kFunction);
-    field(NAMED(c.fov), "degrees", "its vertical field of view", sim::between(0.01, 179), Affects::kFunction);
+    field(NAMED(c.source), "", "a camera of the scene, or one given by the keys below", sim::any(), Affects::kFunction);
+    field(NAMED(c.position), "", "position of the given camera, in the scene's units", anywhere, Affects::kFunction);
+    field(NAMED(c.target), "", "point that the given camera shows in the middle of its picture", anywhere,
+          Affects::kFunction);
+    field(NAMED(c.up), "", "upward direction of the given camera's picture", anywhere, Affects::kFunction);
+    field(NAMED(c.fov), "degrees", "vertical field of view of the given camera", sim::between(0.01, 179),
+          Affects::kFunction);
   }
   void check(auto&& complain) const {
     const sim::Triple to{target.x - position.x, target.y - position.y, target.z - position.z};
@@ -113,22 +117,22 @@ struct WorkloadConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.name), "", "built-in scene, or a .gltf or .glb file (seen from the workload file)", sim::any(),
+    field(NAMED(c.name), "", "built-in scene, or a .gltf or .glb file (relative to the workload file)", sim::any(),
           Affects::kFunction);
     field(NAMED(c.triangles), "triangles",
-          "about how many a built-in scene is made of; 0: as its class in the literature", sim::between(0, 67108864),
-          Affects::kFunction);
+          "approximate number of triangles of a built-in scene; 0: that of its class in the literature",
+          sim::between(0, 67108864), Affects::kFunction);
     field(NAMED(c.camera), "", "camera of the scene, by name or index; empty: its first", sim::any(),
           Affects::kFunction);
-    field(NAMED(c.camera_path), "", "who moves the camera: the scene, or we, round the scene", sim::any(),
-          Affects::kFunction);
-    field(NAMED(c.orbit), "degrees/s", "speed of a camera that goes round the scene", sim::between(-3600, 3600),
+    field(NAMED(c.camera_path), "", "motion of the camera: the scene's animation, or an orbit around the scene",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.orbit), "degrees/s", "angular speed of a camera on an orbit", sim::between(-3600, 3600),
           Affects::kFunction);
     field(NAMED(c.first_frame), "", "first frame rendered; frame 0 is time 0", sim::between(0, 1000000),
           Affects::kFunction);
     field(NAMED(c.last_frame), "", "last frame rendered", sim::between(0, 1000000), Affects::kFunction);
-    field(NAMED(c.frame_rate), "frames/s", "of the animation's time, not of the machine", sim::between(0.01, 10000),
-          Affects::kFunction);
+    field(NAMED(c.frame_rate), "frames/s", "frames per second of animation time, not of the machine",
+          sim::between(0.01, 10000), Affects::kFunction);
     field(NAMED(c.back_faces), "",
           "back faces of single-sided materials (glTF doubleSided: false): hit by rays, or passed through; materials "
           "that transmit light keep both faces",

@@ -24,11 +24,11 @@ struct AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.halo), "",
-          "samples of neighbouring tiles: read back from memory when those tiles have written them, or traced again",
+          "samples of neighbouring tiles: read from memory after those tiles have written them, or traced again",
           sim::any(), sim::Affects::kFunction);
     field(NAMED(c.attributes), "",
-          "where a tile's attributes wait for their check: in the tile buffer, or written to memory and read back",
-          sim::any(), sim::Affects::kFunction);
+          "where a tile keeps its attributes until their check: in the tile buffer, or in memory", sim::any(),
+          sim::Affects::kFunction);
   }
 };
 
@@ -59,15 +59,18 @@ struct MultirateConfig : AdaptiveConfig {
           sim::between(0, 2), Affects::kFunction);
     field(NAMED(c.secondary_checks), "", "secondary hits are compared too", sim::any(), Affects::kFunction);
     field(NAMED(c.rate_control), "",
-          "blocks of 4 where a tile's last frame was similar: both thresholds at once, or one each frame in turn",
+          "tiles that were similar in the last frame get blocks of 4: by two thresholds (hysteresis), or by rate_up "
+          "and rate_down in alternate frames",
           sim::any(), Affects::kFunction);
-    field(NAMED(c.rate_up), "", "share of similar samples from which a tile goes over to blocks of 4",
-          sim::between(0, 1), Affects::kFunction);
-    field(NAMED(c.rate_down), "", "share of similar samples below which it goes back", sim::between(0, 1),
+    field(NAMED(c.rate_up), "", "share of similar samples from which a tile changes to blocks of 4", sim::between(0, 1),
           Affects::kFunction);
-    field(NAMED(c.rate_hold), "frames", "how long it then stays there", sim::between(0, 1000), Affects::kFunction);
+    field(NAMED(c.rate_down), "", "share of similar samples below which a tile returns to blocks of 2",
+          sim::between(0, 1), Affects::kFunction);
+    field(NAMED(c.rate_hold), "frames", "frames for which the tile then keeps blocks of 2", sim::between(0, 1000),
+          Affects::kFunction);
     field(NAMED(c.rate_texture), "",
-          "for the rate alone, textured samples are similar up to this distance of colours; 2: not compared",
+          "colour distance above which a textured sample that passed does not count as similar for the rate; 2: not "
+          "compared",
           sim::between(0, 2), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
@@ -101,17 +104,20 @@ struct UndersampleConfig : AdaptiveConfig {
           Affects::kFunction);
     field(NAMED(c.samples), "", "samples per pixel, a square", sim::between(1, 256), Affects::kFunction);
     field(NAMED(c.position), "scene sizes",
-          "hits are near each other up to this distance; the scene's longest side counts as 1", sim::between(0, 1000),
+          "largest distance of two similar hits, relative to the scene's longest side", sim::between(0, 1000),
           Affects::kFunction);
     field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
           sim::between(-1, 2), Affects::kFunction);
-    field(NAMED(c.texture), "", "texture coordinates wrap if one is below this and the other above 1 less this",
+    field(NAMED(c.texture), "", "texture coordinates wrap if one is below this and the other above 1 minus this",
           sim::between(0, 0.5), Affects::kFunction);
     field(NAMED(c.colour), "", "mirrored and refracted colours are similar up to this distance, sRGB-encoded",
           sim::between(0, 2), Affects::kFunction);
-    field(NAMED(c.correction), "scans", "post-correction: scans that follow what was found by chance", sim::any(),
+    field(NAMED(c.correction), "scans",
+          "post-correction: scans that follow objects from traced into interpolated samples", sim::any(),
           Affects::kFunction);
-    field(NAMED(c.neighbours), "", "of those that a scan looks back at: one, or three", sim::any(), Affects::kFunction);
+    field(NAMED(c.neighbours), "",
+          "neighbours in post-correction; a scan compares a sample with one (four) or three (eight) earlier ones",
+          sim::any(), Affects::kFunction);
     field(NAMED(c.correct_shadows), "", "post-correction follows shadows too, not only objects", sim::any(),
           Affects::kFunction);
     AdaptiveConfig::describe(c, field);
@@ -153,24 +159,27 @@ struct SupersampleConfig : AdaptiveConfig {
     const auto threshold = [&](auto& value, std::string_view name, std::string_view meaning) {
       field(value, name, "", meaning, sim::between(-1, 1), Affects::kFunction);
     };
-    threshold(NAMED(c.colour), "contrast from which a sub-pixel is sampled where nothing else disagrees; -1: never");
-    threshold(NAMED(c.object), "where objects differ; 0: always, 1: never, -1: they are not compared");
-    threshold(NAMED(c.normal), "where normals differ; values as for object");
-    threshold(NAMED(c.shadow), "where the number of shadows differs; values as for object");
-    threshold(NAMED(c.texture), "where the pixel's surface has a texture; values as for object");
-    threshold(NAMED(c.secondary_object), "as object, of the hit behind the stronger branch");
-    threshold(NAMED(c.secondary_normal), "as normal, of that hit");
-    threshold(NAMED(c.secondary_shadow), "as shadow, of that hit");
-    threshold(NAMED(c.secondary_texture), "as texture, of that hit");
+    threshold(NAMED(c.colour), "contrast from which a sub-pixel is sampled if no attribute differs; -1: never");
+    threshold(NAMED(c.object), "contrast threshold if objects differ; 0: always sampled, 1: never, -1: not compared");
+    threshold(NAMED(c.normal), "contrast threshold if normals differ; values as for object");
+    threshold(NAMED(c.shadow), "contrast threshold if the number of shadows differs; values as for object");
+    threshold(NAMED(c.texture), "contrast threshold if the pixel's surface has a texture; values as for object");
+    threshold(NAMED(c.secondary_object), "as object, for the secondary hit with the largest weight");
+    threshold(NAMED(c.secondary_normal), "as normal, for that secondary hit");
+    threshold(NAMED(c.secondary_shadow), "as shadow, for that secondary hit");
+    threshold(NAMED(c.secondary_texture), "as texture, for that secondary hit");
     field(NAMED(c.same_normal), "", "normals differ if their dot product is below this", sim::between(-1, 2),
           Affects::kFunction);
     field(NAMED(c.propagate), "rounds",
-          "in each, sub-pixels beside those that the one before made active, and unlike them, are sampled too",
+          "rounds of propagation: each also samples sub-pixels that differ from a neighbour made active by the round "
+          "before",
           sim::between(0, kMostRounds), Affects::kFunction);
-    field(NAMED(c.packing), "",
-          "how sub-pixels are listed for sampling: pixels kept together, each by itself, or not listed at all",
-          sim::any(), Affects::kFunction);
-    field(NAMED(c.filter), "", "colour of sub-pixels that are not sampled: their pixel's, or between four pixels'",
+    field(
+        NAMED(c.packing), "",
+        "how active sub-pixels are listed: block by block with pixels kept together, each by an atomic, or not at all",
+        sim::any(), Affects::kFunction);
+    field(NAMED(c.filter), "",
+          "colour of sub-pixels that are not sampled: that of their pixel, or interpolated between four pixels",
           sim::any(), Affects::kFunction);
     field(NAMED(c.focus), "", "attributes disagree only where one of two objects is in focus (glTF: extras.focus)",
           sim::any(), Affects::kFunction);
@@ -208,23 +217,21 @@ struct ReconstructConfig : AdaptiveConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.radius), "pixels",
-          "how far shaded samples lie that a sample's colour is made of; 0: each pixel shows its own, and no other is "
-          "looked at",
-          sim::between(0, 2), Affects::kFunction);
-    field(NAMED(c.depth_factor), "",
-          "a shaded sample's weight falls with the difference of depths, times this: exp(-x^2)", sim::between(0, 1000),
+          "radius of the filter over shaded samples; 0: each pixel shows its own shaded sample", sim::between(0, 2),
           Affects::kFunction);
+    field(NAMED(c.depth_factor), "", "factor of the depth difference x in a shaded sample's weight exp(-x^2)",
+          sim::between(0, 1000), Affects::kFunction);
     field(NAMED(c.scene_side), "", "longest side of the scene, in units of depth", sim::between(1e-3, 1e6),
           Affects::kFunction);
-    field(NAMED(c.normal_sigma), "", "how it falls with x = 1 - n.n of normals", sim::between(1e-3, 1e3),
-          Affects::kFunction);
+    field(NAMED(c.normal_sigma), "", "parameter of the weight's dependence on x = 1 - n.n of the normals",
+          sim::between(1e-3, 1e3), Affects::kFunction);
     field(NAMED(c.normal_weight), "",
-          "normal_sigma is a factor of x, as printed: exp(-(sigma x)^2), or its width: exp(-(x / sigma)^2)", sim::any(),
-          Affects::kFunction);
-    field(NAMED(c.colour), "",
-          "contrast of shaded samples that are alike from which on a pixel has all four of its samples shaded, as "
-          "supersample.colour; 0: always, -1: never",
-          sim::between(-1, 1), Affects::kFunction);
+          "normal_sigma is a factor of x, as printed in the paper: exp(-(sigma x)^2), or a width: exp(-(x / sigma)^2)",
+          sim::any(), Affects::kFunction);
+    field(
+        NAMED(c.colour), "",
+        "contrast among similar shaded samples from which all four samples of a pixel are shaded; 0: always, -1: never",
+        sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
   /// Returns the filter's depth units per unit of length, for a scene whose longest side is `scene_size`.

@@ -88,69 +88,60 @@ struct RenderConfig {
     field(NAMED(c.height), "pixels", "height of the picture", sim::between(1, 16384), Affects::kFunction);
     field(NAMED(c.tile), "samples", "side of a tile: 16 means 16 x 16 samples", sim::between(1, 128),
           Affects::kFunction);
-    field(NAMED(c.depth), "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
+    field(NAMED(c.depth), "rays", "most rays in a path from the eye, shadow rays not counted; 1: primary rays only",
           sim::between(1, 16), Affects::kFunction);
     field(NAMED(c.samples), "",
-          "where a pixel's samples lie: in the middle of grid cells, anywhere in them, or each alone in its row and "
-          "column "
-          "of a rotated grid; a lone one is in the middle",
+          "positions of a pixel's samples: in the middle of grid cells, at random in them, or on a rotated grid with "
+          "one sample per row and column; a single sample is in the middle",
           sim::any(), Affects::kFunction);
     field(NAMED(c.layers), "surfaces",
-          "how many holes, blended surfaces or panes of glass a ray may pass; the next one counts as solid",
+          "most holes, blended surfaces or panes of glass that a ray passes; the next one counts as solid",
           sim::between(0, 1024), Affects::kFunction);
     field(NAMED(c.glass_shadows), "",
-          "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
+          "shadow rays at glass: blocked, or passed unbent, multiplied by its transmission and colour", sim::any(),
           Affects::kFunction);
-    field(
-        NAMED(c.mip_maps), "",
-        "textures in memory with mip levels, from which a lookup takes the level that fits the ray's cone, or as they "
-        "come",
-        sim::any(), Affects::kFunction);
+    field(NAMED(c.mip_maps), "", "on: textures have mip levels, and a look-up reads the level that fits the ray's cone",
+          sim::any(), Affects::kFunction);
     field(NAMED(c.mip_filter), "",
-          "a look-up takes the mip level nearest to the cone's footprint, or blends the two about it (trilinear)",
+          "a look-up reads the mip level nearest to the cone's footprint, or blends the two nearest (trilinear)",
           sim::any(), Affects::kFunction);
     field(NAMED(c.srgb), "",
-          "finished pixels are sRGB-encoded and packed by a kernel, or by a table in the DMA as they leave the tile "
-          "buffer",
+          "finished pixels are sRGB-encoded and packed by a kernel, or by a table in the DMA during the transfer",
           sim::any(), Affects::kFunction);
     field(NAMED(c.streams), "",
-          "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",
+          "executors run over the items of their class, compacted by an inspector, or (divergent) over all items",
           sim::any(), Affects::kFunction);
-    field(
-        NAMED(c.fusion), "",
-        "kernels that follow each other on the same items: launched one by one, or as one loop that keeps in registers "
-        "what they leave for each other",
-        sim::any(), Affects::kFunction);
-    field(NAMED(c.primary), "",
-          "what samples see first is found by rays, or by a rasteriser that looks at all triangles before; the picture "
-          "is the same",
+    field(NAMED(c.fusion), "",
+          "on: successive kernels on the same items run as one loop and pass values in registers; off: they are "
+          "launched one by one",
           sim::any(), Affects::kFunction);
-    field.group(NAMED(c.raster), "pieces of a rasteriser's work");
+    field(NAMED(c.primary), "", "primary hits are found by rays, or by a rasteriser; the picture is the same",
+          sim::any(), Affects::kFunction);
+    field.group(NAMED(c.raster), "units of a rasteriser's work");
     describe_effects(c, field);
-    field(NAMED(c.ray_epsilon), "scene diagonals", "how far from a surface its secondary rays begin",
+    field(NAMED(c.ray_epsilon), "scene diagonals", "distance from a surface at which its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
-    field(NAMED(c.min_weight), "", "a path goes on while its largest colour weight is above this", sim::between(0, 1),
+    field(NAMED(c.min_weight), "", "a path continues while its largest colour weight is above this", sim::between(0, 1),
           Affects::kFunction);
   }
   static void describe_effects(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.effects), "",
-          "what rays are traced for behind what samples see first, between commas, or none: shadows, reflections, "
-          "refractions, occlusion (of ambient light), soft_shadows (in place of shadows)",
+          "effects for which rays are traced after the first hit, separated by commas, or none: shadows, reflections, "
+          "refractions, occlusion (of ambient light), soft_shadows (instead of shadows)",
           sim::any(), Affects::kFunction);
-    field(
-        NAMED(c.effect_rate), "",
-        "pixels whose first hits have rays for occlusion and soft_shadows: all, one of 2 x 2, or every other one; the "
-        "others take what those around have found, by depth and normal",
-        sim::any(), Affects::kFunction);
-    field(NAMED(c.occlusion_rays), "rays", "of each diffuse surface, with the effect occlusion", sim::between(1, 64),
+    field(NAMED(c.effect_rate), "",
+          "pixels whose first hits emit rays for occlusion and soft_shadows: all, one of 2 x 2, or every other one; a "
+          "filter by depth and normal supplies the others",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.occlusion_rays), "rays", "occlusion rays per diffuse surface", sim::between(1, 64),
           Affects::kFunction);
-    field(NAMED(c.occlusion_distance), "scene diagonals", "how far away a surface occludes ambient light",
+    field(NAMED(c.occlusion_distance), "scene diagonals", "distance up to which a surface occludes ambient light",
           sim::between(0, 10), Affects::kFunction);
-    field(NAMED(c.shadow_rays), "rays", "of each diffuse surface and light, with the effect soft_shadows",
+    field(NAMED(c.shadow_rays), "rays", "rays per diffuse surface and light, with the effect soft_shadows",
           sim::between(1, 64), Affects::kFunction);
     field(NAMED(c.light_radius), "scene diagonals",
-          "radius of every light's disc, with the effect soft_shadows; directional lights are a diagonal away",
+          "radius of every light's disc, with the effect soft_shadows; directional lights are one scene diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
   /// True if the frame has effects that can have a lower rate.

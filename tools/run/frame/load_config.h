@@ -38,10 +38,10 @@ struct LatencyConfig {
     field(NAMED(c.process), "", "technology of the table", sim::any(), Affects::kReport);
     field(NAMED(c.arrays), "ns", "time to read an array, as read@16KiB: points of a curve over its size",
           sim::at_least(0), Affects::kTiming);
-    field(NAMED(c.l1), "cycles", "of a hit of a first-level cache of the T&I unit, in addition to its array",
+    field(NAMED(c.l1), "cycles", "latency of a hit in a first-level cache of the T&I unit, in addition to its array",
           sim::between(0, 63), Affects::kTiming);
-    field(NAMED(c.l2), "cycles", "of a hit of the L2 or system cache, in addition to its array", sim::between(0, 63),
-          Affects::kTiming);
+    field(NAMED(c.l2), "cycles", "latency of a hit in the L2 or system cache, in addition to its array",
+          sim::between(0, 63), Affects::kTiming);
   }
 };
 
