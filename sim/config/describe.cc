@@ -76,6 +76,14 @@ std::string escape_cell(std::string_view text) {
 
 constexpr std::size_t kWidestCell = 100;  // longer values, such as large maps, are left to `config show`
 
+/// Returns the allowed values of a field without its unit at the end, which has a column of its own.
+std::string range_text(const ConfigNode& field) {
+  std::string range = allowed_text(field);
+  const std::string unit = " " + field.unit;
+  if (!field.unit.empty() && range.ends_with(unit)) range.resize(range.size() - unit.size());
+  return range;
+}
+
 void append_manual_of_group(const ConfigNode& group, std::string& text) {
   std::string rows;
   for (const ConfigNode& node : group.children) {
@@ -83,7 +91,7 @@ void append_manual_of_group(const ConfigNode& group, std::string& text) {
     const std::string value = value_text(node);
     rows += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", node.key,
                         value.size() <= kWidestCell ? fmt::format("`{}`", escape_cell(value)) : "a table",
-                        escape_cell(node.unit), escape_cell(allowed_text(node)),
+                        escape_cell(node.unit), escape_cell(range_text(node)),
                         names_of(node.affects)[static_cast<std::size_t>(node.affects)], escape_cell(node.meaning));
   }
   if (!group.path.empty()) text += fmt::format("## {}\n\n{}\n\n", group.path, group.meaning);

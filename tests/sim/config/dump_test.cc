@@ -137,7 +137,7 @@ TEST(ConfigSchema, DescribesEveryFieldAndNothingElse) {
 
 TEST(ConfigManual, HasATableForEachGroup) {
   const std::string manual = config_manual(MachineConfig{});
-  EXPECT_NE(manual.find("| `rays` | `32` | rays | 1 to 64 rays | timing | rays held at once |\n"), std::string::npos);
+  EXPECT_NE(manual.find("| `rays` | `32` | rays | 1 to 64 | timing | rays held at once |\n"), std::string::npos);
   EXPECT_NE(manual.find("where far children wait \\| full"), std::string::npos);
   EXPECT_NE(manual.find("## unit.l1\n\nprivate cache\n\n"), std::string::npos);
 }
