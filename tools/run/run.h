@@ -44,24 +44,26 @@ struct RunPlan {
 /// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.
 RunPlan make_plan(const JobOptions& options);
 
-/// Sums over the frames of a run.
+/// Results of a run: sums over its frames, and the report of each frame.
 struct RunResult {
   std::optional<FrameResult> total, reference;
-  double squared_error = 0;  ///< sum over frames
+  double squared_error = 0;  ///< mean squared error of the picture, summed over all frames
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
   std::string missing;  ///< what an interrupt left out: "its replicates"
-  TileTable tiles;      ///< tiles of the itemised frames
+  TileTable tiles;      ///< costs of each tile, for frames simulated with RunOptions::itemised
 
-  /// Adds a frame and its reference, if any. `error`: mean squared difference of their pictures.
+  /// Adds the result of a frame and of its reference frame, if any. `error`: mean squared difference of the two
+  /// pictures.
   void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
            const sim::Intervals* over_time = nullptr);
   ComparedResult report_totals() const;
-  /// Sets `partial` and `lacks` for a frame that should have `replicates` simulations and may lack its reference.
+  /// Marks the run as partial if an interrupt has left this frame with fewer than `replicates` simulations or without
+  /// its reference.
   void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
-  /// Describes what an interrupted run of `all` frames has kept.
+  /// Returns a text that states which of the run's `all` frames were finished before an interrupt.
   std::string kept_text(std::size_t all) const;
 };
 
@@ -82,7 +84,7 @@ struct Origin {
   const JobOptions& options;
 };
 
-/// Writes the report of the reference next to that of the run, if there is a reference.
+/// Writes the report of the reference program into the run's folder, if there is a reference.
 void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
 
 /// Prints the location of the reference's report and the command that compares both.
@@ -102,16 +104,16 @@ class FrameSource {
   virtual bool has_reference() const = 0;
   /// Simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
-  /// Simulates the current frame, or the reference program on it.
+  /// simulate() runs the program on the current frame; simulate_reference() runs the reference program on it.
   virtual FrameResult simulate(const SimulateOptions& extras) = 0;
   virtual FrameResult simulate_reference(const SimulateOptions& extras) = 0;
-  /// Returns the mean squared difference of the current frame's pictures.
+  /// Returns the mean squared difference between the current frame's picture and its reference picture.
   virtual double squared_error(const FrameResult& frame, const FrameResult& reference) const = 0;
   /// Advances to the next frame; false after the last.
   virtual bool advance_frame() = 0;
 };
 
-/// Frames of a scene; advancing updates `inputs`.
+/// Frame source for a scene. advance_frame() poses the scene in `inputs` for the next frame.
 class PosedFrames : public FrameSource {
  public:
   PosedFrames(Inputs& inputs, std::uint32_t threads, Progress* progress)
@@ -143,7 +145,7 @@ class RenderedFrames final : public PosedFrames {
 
  private:
   const RunPlan plan_;
-  std::uint32_t slices_ = 0;  ///< per frame; 0 if the plan has none
+  std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
   std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< at the end of the last frame
 };
@@ -157,7 +159,7 @@ struct PlayedFrame {
   bool is_first = true;
 };
 
-/// Observers of a run, and what an interrupt keeps.
+/// Options of run(): observers, recorded data, and what is kept after an interrupt.
 struct RunOptions {
   Progress* progress = nullptr;
   bool keep_part = false;  ///< an interrupt keeps the finished tiles of the first frame
@@ -165,16 +167,15 @@ struct RunOptions {
   bool itemised = false;   ///< keep the costs of each tile and pixel
   RunWatcher* live = nullptr;
   TimelineJob* timeline = nullptr;       ///< records the first frame
-  traces::TraceWriter* trace = nullptr;  ///< receives the work
+  traces::TraceWriter* trace = nullptr;  ///< trace file into which the executed work is written; may be null
   std::function<void(const PlayedFrame&)> on_frame = {};
 };
 
-/// Simulates all frames of a source: the frame loop of runs, replays, baselines and sweep points. After an interrupt
-/// the result is partial: the finished frames, or with `keep_part` a part of the first. Interrupted if there is nothing
-/// to keep.
+/// Simulates all frames of a source. After an interrupt the result is marked partial and contains the finished frames,
+/// or with `keep_part` the finished tiles of the first frame. Throws Interrupted if no frame or tile is finished.
 RunResult run(FrameSource& frames, const RunOptions& options);
 
-/// Returns the report of all frames of `inputs`, without pictures. Uses the program, reference, replicates and threads
-/// of `options`. Interrupted.
+/// Simulates all frames of `inputs` and returns their report as JSON; writes no pictures. Of `options` it uses program,
+/// reference, replicates and threads. Throws Interrupted after an interrupt.
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
 }  // namespace tools

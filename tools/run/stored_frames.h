@@ -16,12 +16,13 @@ class StoredFrames final : public FrameSource {
  public:
   /// InputError if the trace cannot be read or does not fit the configuration.
   StoredFrames(const std::filesystem::path& file, const JobOptions& options);
-  /// The same for an effective configuration, with `replicates` simulations of each frame.
+  /// Opens a trace for a complete configuration instead of options, with `replicates` simulations of each frame.
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
                std::uint32_t replicates);
 
   std::uint32_t frame_count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
-  /// Estimates the host seconds of all frames. Simulates a few tiles first if it may take minutes.
+  /// Estimates the host time to simulate all frames, in seconds. For a long trace it first simulates a few tiles to
+  /// measure the speed.
   double estimate_seconds();
 
   const Inputs& inputs() const override { return inputs_; }
@@ -38,7 +39,7 @@ class StoredFrames final : public FrameSource {
   StoredFrames(const std::filesystem::path& file,
                const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
                std::uint32_t threads, std::uint32_t replicates);
-  /// Traversal steps of all frames and references, as recorded.
+  /// Returns the number of traversal steps in the trace, over all frames and reference frames.
   double recorded_steps() const;
   void read_frame(std::size_t index);
   using Caches = std::shared_ptr<const hw::CacheContents>;
@@ -54,8 +55,8 @@ class StoredFrames final : public FrameSource {
   std::optional<kernels::ProgramSpec> reference_;
   const std::uint32_t threads_, replicates_;
   std::size_t index_ = 0;                  ///< index of the current frame in the trace
-  double squared_error_ = 0;               ///< of the current frame
-  std::vector<traces::KernelId> kernels_;  ///< kernels of this build, by number in the trace
+  double squared_error_ = 0;               ///< mean squared error of the current frame's picture
+  std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace
   std::optional<std::size_t> tree_;        ///< the loaded tree
   traces::TileScope scope_;
   Caches caches_, reference_caches_;  ///< at the end of the last frame

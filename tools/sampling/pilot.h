@@ -37,7 +37,7 @@ struct TileTraits {
   }
 };
 
-/// Survey of all tiles of a frame from a picture with one of `thinning` samples.
+/// Predicted traits and costs of all tiles of a frame, from a picture with one of every `thinning` samples.
 struct Pilot {
   std::vector<TileTraits> traits;  ///< one per tile of the frame
   std::vector<double> costs;
@@ -45,24 +45,24 @@ struct Pilot {
   RenderResult rendered;
 };
 
-/// Returns the side of a tile of the frame in samples.
+/// Returns the side length of a tile, in samples.
 std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec);
 
 /// Renders the thin picture and computes traits and cost of every tile.
 Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                    std::uint32_t threads, Progress* progress);
 
-/// Estimates the relative host cost of each tile from a still thinner picture.
+/// Estimates the relative host time of each tile from a picture with even fewer samples than survey_tiles() renders.
 std::vector<double> estimate_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                                    std::uint32_t threads);
 
-/// Scales the counts of the pilot to the whole frame.
+/// Returns the pilot's render result with all counts of work scaled up to the full number of samples.
 RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
 
 inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
-/// Computes traits of full tiles from thin tiles with one of every `thinning` samples, in order. Caches are modelled as
-/// tags that fill at once; tiles go to cores, and rays to TRVs, round robin.
+/// Predicts the traits of tiles from thin tiles, which contain one of every `thinning` samples and are passed in frame
+/// order. Caches are modelled as tags that fill at once; tiles are assigned to cores, and rays to TRVs, round robin.
 class TilePilot {
  public:
   /// `slots`: a tile's share of the ray slots of a core's tile buffer.
@@ -89,9 +89,9 @@ class TilePilot {
   const double srp_cycle_;  ///< period of the SRP clock in T&I cycles
   std::vector<Core> cores_;
   hw::CacheTags l2_;
-  std::vector<std::uint32_t> steps_;  ///< steps of each ray of the tile
+  std::vector<std::uint32_t> steps_;  ///< traversal steps of each ray of the tile
   std::vector<double> done_;          ///< completion time of each node of the tile's work
-  std::vector<double> made_;          ///< number of rays from each launch
+  std::vector<double> made_;          ///< number of rays that each launch creates
 };
 
 }  // namespace tools

@@ -30,7 +30,7 @@ struct MachineSpan {
   void add(const MachineSpan& other);
 };
 
-/// Cost of the tiles that two machines simulate.
+/// Time and energy of probe tiles, which the machines of two neighbouring slices both simulate.
 struct Probe {
   double time = 0, energy_pj = 0;
 };
@@ -39,24 +39,28 @@ struct Probe {
 struct PlayedSlice {
   Slice slice;
   MachineSpan own;
-  Probe before, after;  ///< probes at the ends of its lead and of its own tiles, where there is a border
-  double seconds = 0, timing_seconds = 0;  ///< host processor time of its thread: total, and without executing tiles
+  /// Probe at the end of the lead, and at the end of the slice; 0 at the start and end of the frame.
+  Probe before, after;
+  /// Host CPU time of the slice's thread: total, and without the execution of tiles.
+  double seconds = 0, timing_seconds = 0;
 };
 
-/// Results of one slice that was simulated in another process than the others.
+/// Results of one slice that was simulated in a process of its own.
 struct SlicePart {
   PlayedSlice played;
   RenderResult rendered;
   double wall_seconds = 0;  ///< host
 };
 
-/// Serialises a part exactly, for join_slices(). Names and structure of the machine are left out.
+/// Serialises the results of a slice without loss, for join_slices(). Names of units and the structure of the machine
+/// are left out.
 sim::Json slice_json(const SlicePart& part);
 
-/// Parses a part. `nothing`: the slice's machine before its first cycle. InputError if the part does not match it.
+/// Parses the results of a slice. `nothing`: reports of the same machine before its first cycle, which supply the names
+/// of units. Throws InputError if the JSON does not match the machine.
 SlicePart read_slice(const sim::Json& json, MachineSpan nothing);
 
-/// Selects the number of slices automatically.
+/// Number of slices that means: choose it from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
 /// Parses "8", or "auto" for kAutoSlices; InputError otherwise.
@@ -65,8 +69,8 @@ std::uint32_t parse_slices(const std::string& text);
 /// Throws InputError for a program whose frames cannot be split.
 void check_slices(const kernels::ProgramSpec& program);
 
-/// Returns the number of slices of a frame. kAutoSlices depends on frame and machine only. InputError if the frame
-/// cannot be split into `asked` slices.
+/// Returns the number of slices of a frame. With kAutoSlices the number depends only on frame and machine. InputError
+/// if the frame cannot be split into `asked` slices.
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked);
 
 /// As simulate_frame(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
@@ -81,7 +85,7 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
 /// are not the slices of this frame.
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
-/// Returns the slice data of a frame that was simulated as a whole.
+/// Describes a frame that was simulated as a whole as a frame with one slice.
 SlicedFrame as_single_slice(const FrameResult& s);
 
 }  // namespace tools

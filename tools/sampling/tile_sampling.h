@@ -31,11 +31,11 @@ void check_tile_sampling(const kernels::ProgramSpec& program);
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress = nullptr);
 
-/// Returns the sums of counters over similar units by path: "core.tni.trv.counters.l1_hits". Counters that are not sums
-/// are left out.
+/// Returns each counter summed over all units of the same kind, by path: "core.tni.trv.counters.l1_hits". Counters that
+/// cannot be added are left out.
 std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units);
 
-/// A measured part of a whole: its size, and traits known for parts and whole.
+/// A measured block of tiles: its size, and traits that are also known for the whole frame.
 struct SamplePart {
   double size = 0;
   std::vector<double> traits;
@@ -49,7 +49,8 @@ struct SamplePart {
 /// consistent.
 class SampleWeights {
  public:
-  /// `ridge`: 0 gives least squares; larger values give estimates nearer to the mean of the parts.
+  /// `ridge`: penalty of the ridge regression. 0 is ordinary least squares; a large penalty moves the fitted rate
+  /// towards the mean rate of all parts.
   SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
 
   const std::vector<double>& part_weights() const { return weights_; }
@@ -62,7 +63,7 @@ class SampleWeights {
  private:
   std::vector<double> sizes_;
   std::vector<double> smoother_;  ///< matrix: fitted rates = smoother x observed rates
-  std::vector<double> shares_;    ///< weights of rates instead of sums
+  std::vector<double> shares_;    ///< weight of each part's rate (quantity per size) in the estimated rate
   std::vector<double> weights_;
   double degrees_ = 0;
 };

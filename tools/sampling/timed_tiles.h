@@ -10,8 +10,8 @@
 
 namespace tools {
 
-/// Consecutive tiles [first, end) of a frame to simulate. Tiles from `measured` on count; those before it fill the
-/// machine. `warming` tiles before `first` warm the caches.
+/// Consecutive tiles [first, end) of a frame to simulate. Tiles [measured, end) are measured; tiles [first, measured)
+/// only fill the machine. `warming` tiles before `first` warm the caches.
 struct TimedBlock {
   std::uint32_t first = 0, measured = 0, end = 0;
   std::uint32_t warming = 0;
@@ -54,7 +54,7 @@ class TimedTiles final : public hw::TileSource {
   const Mark& mark_at(std::uint32_t tile) const;
   const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
   std::uint64_t warmed_tiles() const { return warmed_; }
-  /// Host time for warming caches, and processor time for executing tiles on the machine's thread.
+  /// Host seconds for warming caches, and CPU seconds for executing tiles on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
   double making_seconds() const { return making_seconds_; }
 
@@ -71,7 +71,7 @@ class TimedTiles final : public hw::TileSource {
   std::vector<const traces::TileWork*> for_warming_;  ///< warming tiles of the next block
   std::vector<std::uint32_t> waiting_;  ///< tiles that next() returned and that are not dispatched; at most one
   std::size_t dispatched_block_ = 0;    ///< block of the tile dispatched last
-  std::vector<std::uint32_t> back_;     ///< completed since the last dispatch
+  std::vector<std::uint32_t> back_;     ///< tiles completed since the last dispatch
   std::vector<Mark> marks_;
   std::vector<TimedTile> simulated_;
   std::uint64_t warmed_ = 0;
@@ -88,14 +88,14 @@ namespace tools {
 
 /// The tiles of a frame that are simulated.
 struct TilePlan {
-  std::vector<TimedBlock> blocks;  ///< the first and last are the start and end of the frame
+  std::vector<TimedBlock> blocks;  ///< the first block is the start of the frame, the last is its end
   bool all = false;                ///< one block of all tiles: the frame is too small to sample
-  /// Tiles [begin, end) are estimated from the blocks between.
+  /// Tiles [begin, end) are estimated from the blocks that lie among them.
   std::uint32_t begin = 0, end = 0;
 };
 
 struct PlanShape {
-  std::uint32_t edge = 24;      ///< tiles at the start and at the end of the frame
+  std::uint32_t edge = 24;      ///< tiles simulated at the start of the frame, and at its end
   std::uint32_t lead = 4;       ///< tiles of a block before its measured part
   std::uint32_t measured = 12;  ///< tiles of its measured part
   std::uint32_t warming = 8;    ///< tiles before a block that warm the caches
@@ -125,14 +125,15 @@ struct Slice {
 };
 
 struct SliceShape {
-  std::uint32_t lead = 0;     ///< length of a short lead, which fills the machine; the minimum length of a slice
-  std::uint32_t probe = 0;    ///< tiles at the end of the lead that the previous machine simulates as its last
+  std::uint32_t lead = 0;  ///< tiles of a short lead, which fills the machine; also the minimum length of a slice
+  /// Last tiles of the lead, which are also the last tiles that the previous slice's machine simulates.
+  std::uint32_t probe = 0;
   std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, including its lead
 };
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements);
 
-/// Splits a frame's tiles into `count` slices of equal cost, as far as each has at least the minimum length. Leads of
+/// Splits a frame's tiles into `count` slices of nearly equal cost, each of at least SliceShape::lead tiles. Leads of
 /// short slices and small frames are twice as long.
 std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape);
 

@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-/// Rectangle of the picture that a tile finishes, and the figure summed over all passes.
+/// Rectangle of the picture that a tile renders, and a figure summed over all passes.
 struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;

@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// A figure over the picture, one value per pixel.
+/// A map of one figure, with a value for each pixel of the picture.
 struct HeatMap {
   std::string name;   ///< "steps"
   std::string title;  ///< "Traversal steps of a pixel"

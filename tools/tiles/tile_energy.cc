@@ -263,7 +263,7 @@ class TileWeights {
 
   const FrameResult& s_;
   const std::size_t kinds_;
-  std::vector<double> values_;  ///< tile by tile
+  std::vector<double> values_;  ///< one number per tile and kind of work, ordered by tile
   std::vector<double> rest_;
 };
 
@@ -278,7 +278,7 @@ std::optional<std::uint32_t> core_of(std::string_view path) {
   return bad == std::errc{} && *end == '.' ? std::optional(core) : std::nullopt;
 }
 
-/// Energy to be shared out, by the quantity that it is shared by.
+/// Collects energy that is shared among tiles, separately for each kind of work by which it is shared.
 class Shared {
  public:
   Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
@@ -404,8 +404,8 @@ class Builder {
     add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
     add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
   }
-  /// Returns for each entry the same tile's entry in the first pass, which has its place. A later pass over the frame
-  /// numbers its tiles after those of the previous pass, in the same order.
+  /// Returns for each entry of the tile list the same tile's entry in the first pass, which has its position. A later
+  /// pass over the frame numbers its tiles after those of the previous pass, in the same order.
   std::vector<const kernels::TileSummary*> first_passes() const {
     std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;

@@ -26,7 +26,7 @@ struct TileEnergy {
   sim::Band rest;  ///< energy of requests without a tile, and of time without tiles
 };
 
-/// Shares out the energy of an itemised frame.
+/// Returns the energy of each tile of an itemised frame, by these rules:
 ///
 /// 1. The energy of a core's counter is shared by that core's tiles, the energy of a shared unit's counter by all
 ///    tiles.
@@ -38,7 +38,8 @@ struct TileEnergy {
 /// 5. Time-dependent energy is shared by the tiles in flight.
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 
-/// Returns the tiles of an itemised frame. A replay has no columns x, y, width and height: a trace has no picture.
+/// Returns the table of the tiles of an itemised frame. The table of a replay has no columns x, y, width and height,
+/// because a trace has no picture.
 TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
 
 }  // namespace tools

@@ -15,7 +15,7 @@ struct TileColumn {
   std::string name, unit;
   bool is_sum = false;  ///< true: the frame's figure is the sum of all values, in order, and `rest`, to the last bit
   std::vector<double> values = {};  ///< one per tile; whole numbers are exact
-  double rest = 0;                  ///< part that belongs to no tile
+  double rest = 0;                  ///< part of the frame's figure that belongs to no tile
   double total = 0;
 };
 
@@ -24,22 +24,22 @@ struct TileFrame {
   std::uint32_t frame = 0;
   std::vector<TileColumn> columns;
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().values.size(); }
-  /// Returns the column, or null: a replay has no places.
+  /// Returns the column, or null: the table of a replay has no columns of positions.
   const TileColumn* find(std::string_view name) const;
   const std::vector<double>& at(std::string_view name) const;
 };
 
-/// Content of tiles.json (docs/report.md).
+/// Content of tiles.json (docs/report.md): the tables of all frames.
 struct TileTable {
   std::vector<TileFrame> frames;
 };
 
 inline constexpr std::string_view kTilesFile = "tiles.json";
 
-/// Returns the text of the file; equal tables give equal bytes.
+/// Returns the text of tiles.json; equal tables give equal bytes.
 std::string tiles_text(const TileTable& table);
 
-/// Reads the file, or that of a run's folder. Throws InputError if it is not such a file, or damaged.
+/// Reads a tiles.json, or the one in a run's folder. Throws InputError if the file is not a tiles.json or is damaged.
 TileTable load_tiles(const std::filesystem::path& file_or_folder);
 
 }  // namespace tools

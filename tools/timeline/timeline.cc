@@ -180,7 +180,7 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
     seen.emplace_back(slice.end, slice.rays_at_end);
   }
   std::ranges::stable_sort(seen, {}, &std::pair<sim::Time, std::uint32_t>::first);
-  // At most as many values as other counters.
+  // This counter gets at most as many values as other counters have.
   const std::size_t step = 1 + seen.size() / kMostTimeBins;
   for (std::size_t i = 0; i < seen.size(); i += step)
     to.add_count(to_nanoseconds(seen[i].first), track, seen[i].second);
@@ -272,7 +272,7 @@ std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices,
   return out;
 }
 
-/// Writes slices as packets.
+/// Writes the begin and end of timeline slices, with their arguments, as packets of a Perfetto trace.
 class SliceWriter {
  public:
   SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
@@ -332,7 +332,7 @@ class SliceWriter {
   const TileFrame& tiles_;
 };
 
-/// Returns the slices in order of rank, in which they get room.
+/// Returns the indices of the slices in order of rank. Earlier ones get space in the file first.
 std::vector<std::size_t> in_order_of_rank(const std::vector<RecordedSlice>& slices,
                                           const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;

@@ -14,22 +14,22 @@
 
 namespace tools {
 
-/// An activity of a core with begin and end.
+/// A slice of the timeline: one activity of a core, with its begin and end.
 struct RecordedSlice {
   enum class Kind : std::uint8_t { kTile, kLoop, kRays, kTransfer };
   Kind kind = Kind::kTile;
-  std::uint8_t what = 0;   ///< kRays: the kind of the rays; kTransfer: its area
+  std::uint8_t what = 0;   ///< kRays: kind of ray; kTransfer: area of memory
   bool to_memory = false;  ///< kTransfer
   std::uint16_t core = 0;
-  std::uint16_t slot = 0;                            ///< kTile: of the core
+  std::uint16_t slot = 0;                            ///< kTile: tile slot of the core
   std::uint16_t kernel = 0;                          ///< kLoop
   std::uint32_t entry = kNoEntry;                    ///< index in the tile list
   std::uint32_t amount = 0;                          ///< kLoop: items; kRays: rays; kTransfer: bytes
-  std::uint32_t launches = 0;                        ///< kLoop: chunks of launches in it
-  std::uint32_t rays_at_begin = 0, rays_at_end = 0;  ///< kRays: all of the core in its T&I unit
+  std::uint32_t launches = 0;                        ///< kLoop: chunks of kernel launches in the loop
+  std::uint32_t rays_at_begin = 0, rays_at_end = 0;  ///< kRays: number of rays in the core's T&I unit
   sim::Time begin = 0, end = 0;
   sim::Time configured = 0, start = 0;  ///< kLoop: end of the configuration switch; begin of the loop
-  std::uint64_t cycles = 0;             ///< kLoop: of the shader core
+  std::uint64_t cycles = 0;             ///< kLoop: cycles of the shader core
   sim::Time stalled = 0;                ///< kLoop
   static constexpr std::uint32_t kNoEntry = 0xffffffffU;
 };
@@ -66,7 +66,7 @@ class TimelineRecorder final : public hw::Observer {
   };
   struct Batch {
     std::uint32_t slot = 0, node = 0;
-    std::uint32_t rays = 0;  ///< in the T&I unit when it began
+    std::uint32_t rays = 0;  ///< rays in the T&I unit when the batch began
     sim::Time begin = 0;
   };
   MemoryBin& bin_at(sim::Time at) {
@@ -96,9 +96,9 @@ struct TimelineSelection {
 /// Parses "all", "slowest:8", "tile:3,2" or "pixel:200,100"; throws InputError for other texts.
 TimelineSelection parse_timeline(const std::string& text);
 
-/// Returns the rows of the selected tiles, the most important first; a tile of several passes has several rows. The
-/// slowest tiles have the most cycles from dispatch to end; of equal ones the earlier is first. Throws InputError if
-/// there is no such tile.
+/// Returns the selected rows of `tiles`, in order of priority; a tile of several passes has several rows. The slowest
+/// tiles have the most cycles from dispatch to end; of equal ones the earlier is first. Throws InputError if there is
+/// no such tile.
 std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, const TileFrame& tiles);
 
 inline constexpr const char* kTimelineFile = "timeline.pftrace";
@@ -108,7 +108,7 @@ inline constexpr std::uint64_t kMostTimelineBytes = std::uint64_t{32} << 20;
 struct Timeline {
   std::string bytes;
   std::uint64_t slices = 0;   ///< slices in the trace
-  std::uint64_t dropped = 0;  ///< selected slices for which there was no room
+  std::uint64_t dropped = 0;  ///< selected slices left out because of the size limit
 };
 
 /// Exports all activity of cores during the selected tiles (dependencies may be in other tiles).
@@ -116,8 +116,8 @@ struct Timeline {
 /// 1. Each core is a process with tracks for its shader core, for overlapping batches of rays, for its DMA and for each
 ///    tile slot. One more process, `shared`, has the counters of L2, memory and power.
 /// 2. A flow connects each tile's slices.
-/// 3. If room is short, slices of the first selected tiles have priority; if all tiles are selected, the earliest
-///    slices have.
+/// 3. If the file would exceed `most_bytes`, slices of the first selected tiles have priority; if all tiles are
+///    selected, the earliest slices have.
 Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const FrameResult& s,
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes = kMostTimelineBytes);
 
@@ -135,7 +135,7 @@ class TimelineJob {
   /// Makes the timeline of the first frame; ignores later frames. If the frame was interrupted before a selected tile,
   /// it prints a warning and makes no timeline.
   void end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config);
-  /// Writes the file, and its numbers of shown and dropped slices into the report.
+  /// Writes the timeline file, and adds the numbers of shown and dropped slices to the report.
   void write_file(const std::filesystem::path& folder, sim::Json& report) const;
 
  private:

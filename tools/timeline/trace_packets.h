@@ -17,7 +17,7 @@
 /// Packets of a Perfetto trace.
 namespace tools::perfetto {
 
-/// Texts that events refer to by number.
+/// Table of texts that events of a trace refer to by number.
 class InternedTexts {
  public:
   std::uint64_t number_of(std::string_view text) {
@@ -33,7 +33,7 @@ class InternedTexts {
 struct TimelineTrack {
   std::uint64_t id = 0, parent = 0;
   std::string name;
-  std::int32_t rank = 0;  ///< among its siblings
+  std::int32_t rank = 0;  ///< order among the tracks with the same parent
   std::string unit = {};
 };
 

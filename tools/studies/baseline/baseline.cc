@@ -22,13 +22,14 @@
 namespace tools {
 namespace {
 
-/// Returns the first moved value whose path begins with `path`, or null.
+/// Returns the first changed value of a run whose path begins with `path`, or null.
 const Moved* find_moved(const RunCheck& run, std::string_view path) {
   const auto found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(path); });
   return found == run.moved.end() ? nullptr : &*found;
 }
 
-/// Returns the value to print if cycles did not move: of the whole machine, or else of the named unit.
+/// Returns the changed value to print for a run whose cycles did not change: a value of the whole machine, or else of
+/// the named unit.
 const Moved& first_shown(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
   if (found == run.moved.end() && run.names_unit()) {
@@ -65,7 +66,7 @@ std::string located_text(const RunCheck& run) {
   return fmt::format("{} in {}: {}", located.is_certain() ? "most likely" : "perhaps", located.unit, located.moved);
 }
 
-/// Describes the first key and the number of the others.
+/// Returns a line on the first changed key and the number of other changed keys.
 std::string first_changed(const std::vector<KeyPair>& keys) {
   const std::string line = changed_text(std::vector{keys.front()});
   return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
@@ -110,7 +111,7 @@ std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> Ch
   return out;
 }
 
-/// Returns the moved run whose located unit is most certain; null if there is none.
+/// Returns the run with changed values whose located unit is most certain; null if there is none.
 const RunCheck* most_certain(const Checked& checked) {
   const RunCheck* best = nullptr;
   for (const RunCheck& run : checked.runs) {
@@ -163,7 +164,7 @@ constexpr std::size_t kLongest = 1000;
 /// Removes control characters and invalid UTF-8, which XML does not allow.
 std::string xml_text(const std::string& text) { return sim::printable(text, kLongest); }
 
-/// Returns the failure text of a run.
+/// Returns the text of the JUnit failure of a run.
 std::string failure_text(const RunCheck& run) {
   std::string out;
   std::istringstream error(run.error);

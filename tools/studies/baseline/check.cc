@@ -154,7 +154,7 @@ void simulate_suite(const Suite& suite, std::uint32_t jobs,
   }
 }
 
-/// Returns small runs of another scene, one for each program and reference of the suite.
+/// Returns small trial runs of a different scene, one for each program and reference in the suite.
 Suite probes_of(const Suite& suite) {
   Suite probes;
   for (const SuiteRun& run : suite.runs) {
@@ -179,7 +179,7 @@ std::string without_numbers(std::string path) {
   return path;
 }
 
-/// Returns the end of a path with as many dots as `text`.
+/// Returns the last components of a path, as many as `text` has.
 std::string end_like(const std::string& path, std::string_view text) {
   std::size_t begin = path.size();
   for (auto parts = std::ranges::count(text, '.') + 1; parts > 0 && begin != std::string::npos; --parts) {
@@ -188,7 +188,8 @@ std::string end_like(const std::string& path, std::string_view text) {
   return begin == std::string::npos ? path : path.substr(begin + 1);
 }
 
-/// Returns the nearest end of the paths that reports of all scenes have; empty if none is near.
+/// Returns the end of a report path that is spelled most like `text`, among paths common to all scenes; empty if none
+/// is similar.
 std::string nearest_end_like(const std::string& text, const std::vector<std::string>& paths) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
@@ -202,11 +203,11 @@ std::string nearest_end_like(const std::string& text, const std::vector<std::str
   return found == known.end() ? std::string() : *found;
 }
 
-/// True if `text` matches a path, or several.
+/// True if `text` matches at least one report path.
 bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   try {
     return !report_path_group(without_numbers(text), kinds).empty();
-  } catch (const sim::InputError&) {  // matches several
+  } catch (const sim::InputError&) {  // ambiguous: it matches several paths
     return true;
   }
 }
@@ -305,8 +306,8 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
   std::erase_if(keys, [](const KeyPair& key) { return function_keys().contains(key.key); });
 }
 
-/// Returns the reasons that values of `was`, made with that Embree version, cannot be compared with values of `is`. All
-/// other keys that differ are added to `keys`.
+/// Returns the reasons that stored values, made from `was` with Embree version `embree`, cannot be compared with new
+/// values, made from `is`. Other differing keys are added to `keys`.
 std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
                                        ChangedKeys& keys) {
   std::vector<std::string> out;
@@ -520,13 +521,13 @@ double value_or_zero(const Values& values, const std::string& path) {
   return found == values.end() ? 0 : found->second;
 }
 
-/// Returns the length of a cycle of an average unit of a kind, in T&I cycles.
+/// Returns the length of a clock cycle of a kind of unit, in T&I cycles.
 double tni_cycles_per_cycle(const Values& values, std::string_view unit) {
   const double elapsed = value_or_zero(values, fmt::format("units.{}.elapsed", unit));
   return elapsed == 0 ? 0 : value_or_zero(values, "totals.cycles") / elapsed;
 }
 
-/// Cycles of a unit with one reason, in both runs.
+/// Cycles that a kind of unit spends with one cycle reason, in both runs.
 struct Move {
   std::string_view unit;
   std::string reason;
@@ -608,7 +609,7 @@ struct TrafficPath {
   double difference() const { return is - was; }
 };
 
-/// Returns the paths whose time both runs counted.
+/// Returns the paths between memory levels whose time both runs counted.
 std::vector<TrafficPath> traffic_paths(const Values& was, const Values& is) {
   std::vector<TrafficPath> out;
   const auto add = [&](const char* name, Traffic (*traffic)(const Values&)) {
@@ -634,7 +635,7 @@ std::string moved_text(const Values& was, const Values& is, std::string_view uni
   return fmt::format("why.{} {} -> {} cycles ({:+})", reason, before, after, after - before);
 }
 
-/// Change of the working time of a unit, and its reason that moved most.
+/// Change of the working time of a unit, and the cycle reason whose time changed most.
 struct Own {
   std::string_view unit;
   double difference = 0;
@@ -660,7 +661,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   if (units == was.end() || !units->first.starts_with("units.")) return std::nullopt;  // counters of units are not kept
   const std::vector<Move> moves = all_moves(was, is);
   const std::vector<Own> owns = own_work(moves);
-  constexpr double kNoticeable = 0.1;  // share of the largest other move
+  constexpr double kNoticeable = 0.1;  // chosen: share of the largest other change
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
   for (const Own& own : owns) all += std::abs(own.difference);
@@ -694,7 +695,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
 std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Values& was, const Values& is) {
   const std::vector<Move> moves = all_moves(was, is);
   const Move* most = nullptr;
-  double own = 0, all = 0;  // working time that moved
+  double own = 0, all = 0;  // change of the unit's working time, and of all units' working time
   for (const Move& move : moves) {
     const bool is_work = move.kind == sim::ReasonKind::kWorking, is_inside = is_part_of(move.unit, unit);
     const double size = std::abs(move.difference());

@@ -46,8 +46,7 @@ struct LocatedRegression {
 /// Finds the unit that most likely changed. Nothing without counters of units, or if none moved.
 ///   1. The unit whose working time moved most. Units that wait for a slower unit do not work longer themselves.
 ///   2. Else the path between two levels of memory: the miss time of the upper level minus the service time of the
-///   lower
-///      level, if both counted the same misses.
+///      lower level, if both counted the same misses.
 ///   3. Else the unit nearest to the memory whose waiting time moved.
 /// The result is certain if one thing happens at a time; with contention other units move, too.
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is);
@@ -66,19 +65,20 @@ struct Moved {
 /// A run compared with its stored values.
 struct RunCheck {
   std::string name;
-  std::string error;                         ///< reason that it has no result
-  std::vector<std::string> refused;          ///< reasons that stored and new values are not comparable
-  std::vector<Moved> moved;                  ///< ordered as `keep` of the suite, then by path
-  std::size_t values = 0;                    ///< number of kept values
-  ChangedKeys keys;                          ///< keys that differ, except those that change the recorded work
-  std::optional<LocatedRegression> located;  ///< by the counters; in the unit of a changed key, if any
+  std::string error;                 ///< reason that the run has no result
+  std::vector<std::string> refused;  ///< reasons that stored and new values are not comparable
+  std::vector<Moved> moved;          ///< ordered as `keep` of the suite, then by path
+  std::size_t values = 0;            ///< number of kept values
+  ChangedKeys keys;                  ///< keys that differ, except those that change the recorded work
+  /// Unit that most likely changed, by its counters; units of changed keys are tried first.
+  std::optional<LocatedRegression> located;
   double seconds = 0;
   /// True if the unit can be named for this run alone: because a key changed, or because its counters are certain.
   bool names_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
   bool is_good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
 
-/// The results of a suite, compared with stored values if there are any.
+/// The results of all runs of a suite, compared with stored values if there are any.
 struct Checked {
   std::vector<RunCheck> runs;
   Baseline now;  ///< values to store, of the runs that have results

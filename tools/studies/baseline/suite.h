@@ -40,7 +40,7 @@ struct Facts {
   FlatConfig config;  ///< without the scene name, because files can be moved
 };
 
-/// Numbers by report path. Stored values are not 0.
+/// Numbers of a report by path. Zeros are not stored.
 using Values = std::map<std::string, double>;
 /// Replicate statistics by report path.
 using StoredDraws = std::map<std::string, Draws>;

@@ -57,7 +57,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Returns what the metrics of a scene depend on.
+/// Returns the conditions of a measurement, which must be equal for comparable metrics: scene, resolution and so on.
 Json conditions_of(const Inputs& inputs) {
   return {{"scene", inputs.scene.name},
           {"resolution", {inputs.config.render.width, inputs.config.render.height}},
@@ -174,7 +174,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
 
 /// Measures in a child process, so that peak memory is of this scene only. Exceptions of the child reach its main().
 Json measure_apart(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
-  constexpr int kGlanceMs = 100;  // limits the delay of an interrupt just before the wait
+  constexpr int kGlanceMs = 100;  // wait in ms; limits how long an interrupt just before the wait is unnoticed
   std::string text;
   int status = 0;
   {
@@ -239,13 +239,13 @@ namespace {
 
 constexpr std::uint64_t kLargestBench = 16 << 20;
 
-/// Returns the entry of a scene, or null.
+/// Returns the entry of a scene in a result of the benchmark, or null.
 const Json* find_scene(const Json& bench, const Json& name) {
   const auto found = std::ranges::find(bench["scenes"], name, [](const Json& scene) { return scene["scene"]; });
   return found != bench["scenes"].end() ? &*found : nullptr;
 }
 
-/// Converts schema version 1, which had no metric for all threads.
+/// Converts a result of schema version 1, which had no metric for all threads, to version 2.
 void read_as_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
     for (const auto& [was, is] : {std::pair{"functional_rays_per_s", "recording_rays_per_s"},
@@ -254,7 +254,7 @@ void read_as_version_2(Json& bench) {
       scene[is] = scene[was];
       scene.erase(was);
     }
-    scene.erase("peak_rss_mb");  // included all earlier scenes
+    scene.erase("peak_rss_mb");  // in version 1 the peak included all earlier scenes
   }
   bench["schema"] = "raywatt-bench/2";
 }
@@ -302,7 +302,7 @@ std::vector<std::string> find_differences(const Json& a, const Json& b, const Js
   return found;
 }
 
-/// Returns the medians of the metrics by scene.
+/// Returns one result, with the median of each metric of each scene over several results.
 Json merge_results(const std::vector<Json>& results) {
   Json out = results.front();
   for (Json& scene : out["scenes"]) {
@@ -325,7 +325,7 @@ std::string cell_text(const BenchMetric& metric, const Json& scene) {
   return metric.kind == BenchMetric::Kind::kRate ? sim::si_text(value) : fmt::format("{:.2f}", value);
 }
 
-/// Returns a table and an empty line; nothing if no scene has its metrics.
+/// Returns a table of the scenes' metrics followed by an empty line; empty if no scene has a metric of this table.
 std::string table_of(const Json& bench, bool is_partial, bool compares) {
   std::vector<BenchMetric> columns;
   for (const BenchMetric& metric : bench_metrics()) {

@@ -29,20 +29,21 @@ struct BenchMetric {
   };
   std::string name, header;
   Kind kind = Kind::kRate;
-  bool is_partial = false;  ///< of a replayed trace or of sampled tiles
+  bool is_partial = false;  ///< measured on a replayed trace or on sampled tiles
 };
 const std::vector<BenchMetric>& bench_metrics();
 
 /// Measures the scenes, each in its own process because peak memory never falls; schema raywatt-bench/2. Each metric is
-/// the median over `runs` rounds. If the process of a scene fails, which prints the reason, this process exits with its
-/// code; also, before measuring, if a scene is not comparable with `other`.
+/// the median over `runs` rounds. If the process of a scene fails, this process exits with the same code. It exits
+/// before measuring if a scene is not comparable with `other`.
 sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = nullptr);
 
 /// Reads the output of `raywatt bench --json`; returns medians if there are several results. InputError.
 sim::Json load_bench(const std::filesystem::path& file);
 
 /// InputError if a common scene has another frame, machine or number of threads, and with `need_one` if there is no
-/// common scene. Members that one of them lacks, because of an older build, are not compared. `file`: of `other`.
+/// common scene. Members that one of them lacks, because of an older build, are not compared. `file`: path of `other`,
+/// for messages.
 void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
                       bool need_one = true);
 

@@ -23,14 +23,14 @@ struct Bound {
 struct CacheShare {
   std::string name;          ///< "node", "triangle", "data"
   double hit_rate = 0;       ///< per probe
-  double cycles_a_miss = 0;  ///< in the clock of the cache
+  double cycles_a_miss = 0;  ///< mean miss time, in cycles of the cache's clock
   double share = 0;          ///< share of the time of the cores that waits for its misses
 };
 
 /// The bottleneck of a frame, estimated from the counters of one run and measured by runs with ideal resources.
 struct Bottleneck {
   std::uint64_t cycles = 0;
-  std::string limiter;  ///< in words
+  std::string limiter;  ///< description of the limiter
   CoreTime time;
   std::string named;  ///< resource with the largest estimate
   std::vector<Bound> bounds;
@@ -47,7 +47,7 @@ struct Bottleneck {
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half of its 95 % interval
-  bool outside = false;   ///< larger than the noise
+  bool outside = false;   ///< the speed-up differs from 1 by more than the noise
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 

@@ -110,16 +110,17 @@ std::vector<MetricPair> time_pairs(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
-/// True if the unit is a sum over a kind of units (unit_sums()).
+/// True if this entry of the report's `units` is a sum over all units of a kind (unit_sums()).
 bool is_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
-/// True for idle time, and for time in which the tile buffer only stores: the complement of other reasons.
+/// True for an idle reason, and for the reason of a tile buffer that only stores data. Both are the time that no other
+/// reason explains.
 bool is_rest(std::string_view unit, std::string_view reason) {
   const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
   return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
 }
 
-/// Returns the T&I cycles of an average unit of a kind with a reason.
+/// Returns the mean T&I cycles that a unit of this kind spends with this cycle reason.
 double mean_cycles(const ReportFile& report, const std::string& unit, const std::string& reason) {
   const double elapsed = report.number("units." + unit + ".elapsed");
   return elapsed == 0 ? 0
@@ -231,8 +232,8 @@ struct Ratio {
   const char* name;
   std::string part;
   std::string whole;
-  std::string more{};  ///< added to `whole`
-  bool rest = false;   ///< 1 minus the ratio
+  std::string more{};  ///< counter that is added to the denominator `whole`
+  bool rest = false;   ///< the value is 1 minus the ratio
 };
 
 std::vector<Ratio> ratios_of_counters() {
@@ -303,7 +304,7 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
 }
 
-/// True if the file exists, whether it is a picture or not.
+/// True if the run has a picture file of this type. The content of the file is not checked.
 bool has_picture(const ReportFile& report, const char* type) {
   std::error_code failed;
   return std::filesystem::exists(std::filesystem::symlink_status(report.picture(type), failed));
@@ -436,7 +437,7 @@ namespace {
 
 constexpr std::size_t kShown = 8;  ///< lines per list; --json has all
 
-/// "+1.42 %", "x3.19"
+/// Returns a relative change as text: "+1.42 %", or "x3.19" from a factor of 2.
 std::string relative_text(double relative) {
   return relative < 1 ? fmt::format("{:+.{}f} %", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
                       : fmt::format("x{:.3g}", 1 + relative);
@@ -455,7 +456,7 @@ std::string noise_text(const Comparison& c, const MetricPair& pair) {
   return fmt::format("mean {} ± {:.2g} %, {}", relative_text(n.relative), 100 * n.half_width, verdict);
 }
 
-/// Returns the source of the noise.
+/// Returns a note that states whether noise is measured by replicates or assumed.
 std::string noise_note(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   bool measured = false, assumed = false;
   for (const Comparison& c : against) {
@@ -499,7 +500,7 @@ std::string picture_text(const Comparison& c) {
   return psnr ? fmt::format("PSNR {:.2f} dB", *psnr) : "identical";
 }
 
-/// Replaces the names of `Comparison::time` by words: "tree misses: DRAM".
+/// Replaces the keys of the parts of a core's time by descriptions: "tree misses: DRAM".
 std::vector<MetricPair> in_words(std::vector<MetricPair> times) {
   for (MetricPair& time : times) time.name = part_words(time.name);
   return times;
@@ -554,7 +555,8 @@ std::string cell_text(Column column, double value) {
   return sim::si_text(std::abs(value) < 1000 ? std::round(value) : value);
 }
 
-/// Returns the first lines of a list. `whole`: the sum of all differences, or 0 if unknown.
+/// Returns a table of the first entries of `pairs`. `whole`: sum of all differences, from which percentages are
+/// computed; 0 if unknown.
 std::string pairs_table(const std::string& title, const std::vector<MetricPair>& pairs, Column column,
                         const std::vector<std::string>& names, double whole = 0) {
   if (pairs.empty()) return {};
@@ -594,7 +596,8 @@ std::string config_text(const Comparison& c) {
   return out;
 }
 
-/// Returns the ratio of energies under all tables, and the entries with the largest effect.
+/// Returns text with the energy ratio of the two runs under low, nominal and high tables, and the table entries that
+/// change it most.
 std::string energy_text(const Comparison& c, const std::vector<std::string>& names) {
   if (!c.energy) return "\nno energy bands: " + sim::printable(c.no_energy, 1000) + "\n";
   sim::Table ratios({fmt::format("energy over {}", names[0]), "low tables", "nominal", "high", "median of draws",

@@ -12,7 +12,7 @@
 
 namespace tools {
 
-/// A value of two runs.
+/// The values of one metric in two runs, `a` and `b`.
 struct MetricPair {
   std::string name;
   double a = 0, b = 0;
@@ -39,8 +39,9 @@ struct Comparison {
   bool other_clock = false;         ///< the T&I clocks differ, so that cycles cannot be compared
   std::vector<MetricPair> metrics;  ///< the main metrics, in table order
   // Explanations, largest difference first, without equal values.
-  std::vector<MetricPair> time;      ///< T&I cycles of an average core, by part of totals.top_down
-  std::vector<MetricPair> reasons;   ///< T&I cycles of an average unit, by kind of unit and reason; without idle ones
+  std::vector<MetricPair> time;  ///< T&I cycles of an average core, by part of totals.top_down
+  /// T&I cycles of an average unit, by kind of unit and cycle reason; without idle reasons.
+  std::vector<MetricPair> reasons;
   std::vector<MetricPair> blocks;    ///< nominal mJ by block
   std::vector<MetricPair> events;    ///< nominal mJ by block and event, and of clock and leakage
   std::vector<MetricPair> counters;  ///< sums over units of a kind, by relative change; all that moved by more than 1 %
@@ -48,7 +49,7 @@ struct Comparison {
   std::vector<MetricPair> ratios;    ///< hit rates and mean times, in the order of the memory hierarchy
   std::optional<EnergyBands> energy;  ///< none if a run cannot be priced
   std::string no_energy;              ///< reason that there is no `energy`
-  // The first frame's pictures.
+  // Comparison of the first frame's pictures.
   std::optional<double> squared_error;
   std::string no_picture;  ///< reason that there is no squared_error
 
@@ -60,13 +61,13 @@ struct Comparison {
 /// it has as many already. InputError if the run cannot be repeated.
 void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threads, Progress* progress);
 
-/// Compares `b` with `a`.
+/// Compares the run of report `b` with the run of report `a`, which is the baseline.
 Comparison compare(const ReportFile& a, const ReportFile& b);
 
 /// Returns comparisons of the first report with each other one, schema raywatt-compare/1.
 sim::Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
-/// Returns the comparisons for a terminal.
+/// Returns the comparisons as text for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
 /// Returns the folder names of the runs, with a letter in front if two are equal.

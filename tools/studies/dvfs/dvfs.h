@@ -15,20 +15,22 @@ class Progress;
 
 struct DvfsOptions {
   JobOptions job;
-  std::vector<double> factors = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2};  ///< times the configured clocks
-  std::vector<std::string> domains = {"tni", "srp", "l2"};                         ///< domains whose clocks are scaled
-  double fps = 0;  ///< target frame rate; 0: of the slowest point
+  /// Multiples of the configured clock frequencies.
+  std::vector<double> factors = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2};
+  std::vector<std::string> domains = {"tni", "srp", "l2"};  ///< domains whose clocks are scaled
+  double fps = 0;  ///< target frame rate in 1/s; 0: frame rate of the slowest point
 };
 
-/// The frame at scaled clocks.
+/// Results of the frame with the scaled clocks multiplied by one factor.
 struct DvfsPoint {
   double factor = 1;
-  std::vector<double> mhz, volt;  ///< of each domain
-  std::uint64_t cycles = 0;       ///< of the T&I clock
+  std::vector<double> mhz, volt;  ///< frequency and voltage of each clock domain
+  std::uint64_t cycles = 0;       ///< cycles of the T&I clock
   double ms = 0;
-  sim::Band mj;           ///< per frame
-  double idle_mw = 0;     ///< power between frames
-  double period_mj = -1;  ///< energy of a frame and the rest of its period; negative if the frame is longer than it
+  sim::Band mj;        ///< per frame
+  double idle_mw = 0;  ///< power between frames
+  /// Energy of a period: the frame and the idle time after it; negative if the frame exceeds the period.
+  double period_mj = -1;
   double power_w() const { return mj.nominal / ms; }
   double frames_per_second() const { return 1000 / ms; }
 };

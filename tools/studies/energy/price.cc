@@ -37,7 +37,7 @@ struct TableChange {
 struct Priced {
   std::string run;                                          ///< path of the run or sweep
   std::string n{};                                          ///< number of the point of a sweep
-  std::vector<std::pair<std::string, std::string>> axes{};  ///< of the point
+  std::vector<std::pair<std::string, std::string>> axes{};  ///< axis names and values of the point
   sim::Json own, repriced;                                  ///< energy_totals_json()
   std::vector<TableChange> changes;
   std::size_t plays = 1;                  ///< replicates of the run; the first is priced

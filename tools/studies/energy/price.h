@@ -10,8 +10,8 @@ namespace tools {
 
 enum class PriceFormat : std::uint8_t { kText, kCsv, kJson };
 
-/// Returns the energies of runs (folders or report.json files) and sweeps under another table and under their own.
-/// Points without a result are counted on standard error. InputError if one cannot be priced.
+/// Returns the energies of runs (folders or report.json files) and sweeps, priced with `table` and with the table of
+/// each run. Points without a result are counted on standard error. InputError if a run cannot be priced.
 std::string price_text(const std::vector<std::filesystem::path>& paths, const PriceTable& table, PriceFormat format);
 
 }  // namespace tools

@@ -33,10 +33,10 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kLargestConfig = 4 << 20;
 constexpr std::string_view kEvents = "energy.events.";
 
-/// Origin of each value, by its full name.
+/// Origin (file and line, or option) of each configuration value, by its full key.
 using Origins = std::map<std::string, std::string>;
 
-/// Returns the comment of a line, without "source:".
+/// Returns the YAML comment on a line of `text`, without "source:".
 std::string comment_of(const std::string& text, int line) {
   std::size_t begin = 0;
   for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
@@ -47,10 +47,10 @@ std::string comment_of(const std::string& text, int line) {
   return comment_text.starts_with("source: ") ? comment_text.substr(8) : comment_text;
 }
 
-/// Returns the last part of a path.
+/// Returns the text after the last dot of a path.
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-/// Records the origin of each value while files and settings override each other.
+/// Collects the origin of each configuration value. A later file or setting overrides an earlier one.
 class Layers {
  public:
   Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
@@ -82,7 +82,7 @@ class Layers {
   }
 
  private:
-  /// `origin` returns the origin of a line.
+  /// Adds all values of a YAML mapping. `origin`: returns the origin of a value from its line number.
   void add_mapping(const std::string& prefix, const sim::YamlNode& node, const fs::path& folder,
                    const std::function<std::string(int)>& origin) {
     const auto* process = prefix.empty() ? node.find("process") : nullptr;
@@ -99,7 +99,7 @@ class Layers {
     }
   }
 
-  /// Adds the tables of the outermost process, once.
+  /// Adds the tables of the process, once. Of several `process` settings the outermost one counts.
   void add_process(const fs::path& folder) {
     if (is_process_added_) return;
     is_process_added_ = true;
@@ -127,7 +127,7 @@ class Layers {
   }
 
   Origins& out_;
-  std::string process_;  ///< the outermost that is set
+  std::string process_;  ///< name in the outermost `process` setting
   bool is_process_added_ = false;
 };
 
@@ -154,7 +154,7 @@ std::string kind_of(const std::string& path) {
   return out;
 }
 
-/// Returns the counters of each event, in words.
+/// Returns for each energy event the names of the counters that count it.
 std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::UnitReport>& units) {
   std::map<std::string, std::set<std::string>> out;
   for (const sim::UnitReport& unit : units) {
@@ -165,7 +165,7 @@ std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::U
   return out;
 }
 
-/// Finds the counters and units that use an entry.
+/// Finds the counters and units that use an entry of the energy tables.
 class Users {
  public:
   explicit Users(const RunConfig& config)
@@ -190,7 +190,7 @@ class Users {
     const auto found = counters_.find(event);
     return found == counters_.end() ? std::set<std::string>{} : found->second;
   }
-  /// Returns the units of an entry. Units without their own entry use the entry of their block.
+  /// Returns the kinds of unit that use an entry. Units without an entry of their own use the entry of their block.
   std::set<std::string> units_of(const std::string& entry) const {
     std::map<std::string, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -203,7 +203,7 @@ class Users {
     for (const auto& [kind, count] : kinds) out.insert(fmt::format("{} units {}", count, kind));
     return out;
   }
-  /// Returns the units that contain a part, and its number per unit.
+  /// Returns the kinds of unit that contain the hardware part of an entry, with the number of these parts per unit.
   std::set<std::string> units_with(const std::string& entry) const {
     std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -218,7 +218,7 @@ class Users {
     }
     return out;
   }
-  /// Returns the events of the memory that depend on a value.
+  /// Returns the energy events of the DRAM that change with the value called `name`.
   std::set<std::string> of_device(const std::string& name) const {
     RunConfig changed = config_;
     for (EnergyEntry& entry : energy_entries(changed)) {
@@ -243,14 +243,14 @@ std::string band_text(const sim::Band& s, const std::string& unit) {
   return (unit.empty() ? band : band + " " + unit) + (s.low == s.high ? "  (no band)" : "");
 }
 
-/// Returns the bytes of "cache.l1_read@16KiB"; 0 if it is not a point of a curve.
+/// Returns the size in bytes from the name of a curve's point ("cache.l1_read@16KiB"); 0 if the name has no size.
 double size_of(const EnergyEntry::Figure& figure) {
   const std::size_t at = figure.name.find('@');
   if (at == std::string::npos) return 0;
   return static_cast<double>(sim::read_quantity(figure.name.substr(at + 1), sim::byte_units()));
 }
 
-/// Returns the exponents of a curve between its points.
+/// Returns the exponent of energy over size between each two neighbouring points of a curve, as text.
 std::string curve_text(const EnergyEntry& entry) {
   std::vector<std::string> steps;
   for (auto a = entry.figures.begin(), b = std::next(a); b != entry.figures.end(); ++a, ++b) {
@@ -268,7 +268,7 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
-/// The origin of a figure: a line for where it was given, and one for each factor since.
+/// Formats the origin of a value: a line for the file or option that sets it, and a line for each factor applied to it.
 std::string printable_lines(const std::string& text) {
   std::string out;
   for (std::size_t begin = 0; begin <= text.size();) {

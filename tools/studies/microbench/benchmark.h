@@ -9,9 +9,9 @@
 
 namespace tools {
 
-/// A value measured on a part of the machine, and its closed form.
+/// A value measured on a part of the machine, and the value that a closed form predicts.
 struct Measurement {
-  /// The required relation of the two.
+  /// Relation between measured and expected value that must hold.
   enum class Relation : std::uint8_t {
     kExactly,
     kClosely,  ///< within 2 %
@@ -27,7 +27,7 @@ struct Measurement {
   std::string remark{};  ///< e.g. the bottleneck
 
   bool is_good() const;
-  /// Returns 0 if both are equal.
+  /// Returns the difference of measured and expected value, divided by the expected value; 0 if both are equal.
   double relative_error() const;
 };
 
@@ -42,22 +42,23 @@ struct Findings {
   bool is_good() const;
 };
 
-/// An upper bound and the bottleneck that causes it.
+/// An upper bound of a rate, and the bottleneck that causes it.
 struct UpperBound {
   double value = 0;
   std::string_view by;
-  bool reached = true;  ///< false: waiting, which the form ignores, keeps the unit below it
+  bool reached = true;  ///< false: waiting, which the closed form ignores, keeps the rate below the bound
 
-  /// The relation of a measurement to the bound.
+  /// Returns the relation that a measurement must have to the bound.
   Measurement::Relation required_relation() const {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest bound. It is not reached if a bound that is not reached is less than 1.5 times as large.
+/// Returns the smallest bound. The result is marked as not reached if another such bound is less than 1.5 times as
+/// large.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
 std::string table_of(const Findings& findings);
-/// Schema raywatt-microbench/1.
+/// Returns the findings as JSON, schema raywatt-microbench/1.
 std::string json_of(std::string_view benchmark, const Findings& findings);
 
 /// The machine and the options of a benchmark.
@@ -69,7 +70,7 @@ struct BenchmarkJob {
   bool all_grades = false;
   std::vector<std::string> kernels;
   std::string stream;
-  std::uint32_t outstanding = 0;  ///< 0: size of the read queue
+  std::uint32_t outstanding = 0;  ///< reads in flight; 0: size of the read queue
   std::string refresh = "on";
 };
 
@@ -99,7 +100,7 @@ BenchmarkOption json_option();
 
 /// Returns the configured machine without ideal resources.
 RunConfig real_machine(const JobOptions& job);
-/// Returns the job with each grade in configs/dram. InputError if the job sets the grade.
+/// Returns a copy of the job for each DRAM grade in configs/dram. InputError if the job sets the grade.
 std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job);
 
 /// Returns the mean rate per second between the first and the last tenth of these times (in fs, in any order).

@@ -140,7 +140,7 @@ struct Latencies {
   }
 };
 
-/// The results of a simulated stream.
+/// The results of a simulated stream of DRAM requests.
 struct Result {
   const hw::DramConfig& config;
   const hw::DramRun play;

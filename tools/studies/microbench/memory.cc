@@ -115,8 +115,8 @@ class MemoryForms {
   UpperBound l2_mshrs(Level level) const {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Misses of an MSHR are sequential. MSHRs start in consecutive cycles, so that their clock phases differ. With two
-  /// clocks they may also delay each other.
+  /// Returns the bound due to `count` MSHRs of a first-level cache, each of which handles one miss after the other.
+  /// MSHRs start in consecutive cycles, so their clock phases differ. With two clocks MSHRs may also delay each other.
   UpperBound l1_mshrs(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
@@ -128,8 +128,8 @@ class MemoryForms {
     }
     return {rate * count / starts, "L1 miss registers", tni_ == l2_};
   }
-  /// Requests of a client cross into the clock of the port, one per cycle. A slot of the wire is free again when the
-  /// client sees that the port has taken the request.
+  /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle;
+  /// a slot of the wire is free again when the client sees that the port has taken its request.
   UpperBound request_wire() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
@@ -232,7 +232,8 @@ namespace {
 
 constexpr std::uint32_t kPhases = 20;  // start times in consecutive cycles, to cover all clock phases
 
-/// Returns the first line after line 0 in its channel and bank, in the same row or in another.
+/// Returns the first line after line 0 that is in the same channel and bank as line 0, in the same row or in another
+/// row.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::DramMap map(dram);
   const hw::DramAddress first = map.address_of(0);
@@ -288,7 +289,7 @@ class Chase {
 
  private:
   /// Reads the lines in order and adds the latency of the last read, from the probe of the L1 to its data.
-  /// `neighbour_first`: another client has read the last line before. Without `level` the read hits the L1.
+  /// `neighbour_first`: another client reads the last line first. Without `level` the read hits the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);
@@ -326,7 +327,7 @@ Benchmark chase_benchmark() {
 namespace {
 
 constexpr std::uint32_t kLines = 40'000;
-constexpr std::uint32_t kLineBits = 22;  // address bits of random lines
+constexpr std::uint32_t kLineBits = 22;  // random lines have addresses of this many bits
 
 /// Permutes the numbers below 2^kLineBits: the bits are folded and multiplied, twice.
 std::uint32_t scatter_line(std::uint32_t i) {

@@ -120,7 +120,7 @@ kernels::Graph copy_kernel(std::uint32_t record_bytes) {
   return graph;
 }
 
-/// Counts the cycles lost per item, access by access, over many items of a running loop.
+/// Returns the cycles per item that a running loop loses to bank conflicts, counted access by access over many items.
 double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
   struct Access {
     std::uint64_t first_word, words, start;

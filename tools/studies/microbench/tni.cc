@@ -19,7 +19,7 @@
 namespace tools {
 namespace {
 
-/// A leaf of a walk: its first triangle, and the phase in which each test ends.
+/// A leaf of a ray's traversal: its first triangle, and the phase in which each triangle test ends.
 struct Leaf {
   std::uint32_t first = 0;
   std::vector<traces::ExitPhase> exits;
@@ -54,7 +54,7 @@ class TniForms {
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which the result is known.
+  /// Returns the stage of the intersection pipeline after which the result of a test with this exit is known.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:
@@ -66,7 +66,8 @@ class TniForms {
     }
     return tni_.ist.latency;
   }
-  /// Returns the lines read for the first triangles of a leaf, one per cycle. A shared line is read again.
+  /// Returns the number of cache lines read for the first `triangles` triangles of a leaf, one line per cycle. A line
+  /// shared by two triangles is read twice.
   std::uint32_t lines_read(const Leaf& leaf, std::uint32_t triangles) const {
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < triangles; ++i) {
@@ -78,14 +79,14 @@ class TniForms {
   std::uint32_t lines_read(const Leaf& leaf) const {
     return lines_read(leaf, static_cast<std::uint32_t>(leaf.exits.size()));
   }
-  /// Returns the time of a single leaf, from its arrival at the unit to its answer.
+  /// Returns the cycles of a single leaf in an idle unit, from its arrival to its answer.
   std::uint32_t leaf_time(const Leaf& leaf) const {
     std::uint32_t known = 0;
     for (std::uint32_t i = 0; i < leaf.exits.size(); ++i)
       known = std::max(known, lines_read(leaf, i + 1) - 1 + tni_.ist.l1.hit_cycles + exit_stage(leaf.exits[i]));
     return known;
   }
-  /// Returns the time of a single ray, from its arrival at a traversal unit to its end.
+  /// Returns the cycles of a single ray in an idle unit, from its arrival at a traversal unit to its end.
   std::uint32_t ray_time(const StraightRay& ray) const {
     const std::uint32_t pass = tni_.trv.l1.hit_cycles + tni_.trv.box_latency;
     const std::uint32_t to_ist_and_back = tni_.trv.leaf_latency + leaf_time(ray.leaf) + 1;
@@ -128,7 +129,7 @@ class TniForms {
 
 constexpr std::uint32_t kRays = 12'000;
 
-/// Equal rays, and the times of their results.
+/// Identical rays for the unit under test, and the times of their results.
 struct EqualRays {
   std::vector<std::uint32_t> steps;
   std::vector<sim::Time> hits{};
@@ -309,7 +310,8 @@ void add_exits(const RunConfig& config, Findings& found) {
     const auto name = [&](const char* what) { return fmt::format("{}, exit: {}", what, kExitNames[i]); };
 
     const IstHarness lone(config, one, 1);
-    const auto cycles = static_cast<double>(lone.clock().cycles(lone.answer_times().front()));  // two of them are wires
+    // includes two cycles of wire
+    const auto cycles = static_cast<double>(lone.clock().cycles(lone.answer_times().front()));
     found.measurements.push_back({name("a lone test"), "cycles", cycles - 2, double(forms.leaf_time(one))});
 
     const IstHarness full(config, four, kLeaves);
@@ -325,10 +327,10 @@ void add_exits(const RunConfig& config, Findings& found) {
   }
 }
 
-/// Number of tests that ended at each of kExits.
+/// Number of triangle tests that ended in each of the phases kExits.
 using Exits = std::array<std::uint64_t, 3>;
 
-/// Counts by the counters of all intersection units.
+/// Returns the number of triangle tests by exit phase, from the counters of all intersection units.
 Exits exits_of(const std::vector<sim::UnitReport>& units) {
   using Stats = hw::Ist::Stats;
   const Units<hw::Ist> ists(units);
@@ -336,7 +338,7 @@ Exits exits_of(const std::vector<sim::UnitReport>& units) {
   return {ists.counted(&Stats::tests) - edge_tests, edge_tests - hits, hits};
 }
 
-/// Counts by the recorded walks of all rays.
+/// Returns the number of triangle tests by exit phase, from the traversals of all rays that the program records.
 Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const kernels::RateMap rates(inputs.config.programs.multirate);
   const auto program = kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render,
@@ -358,7 +360,7 @@ Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   return exits;
 }
 
-/// Adds the exits of all rays of a scene, and the cycles and energy that they save.
+/// Adds to `found` the number of early exits in a scene, and the cycles and energy that they save.
 void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);

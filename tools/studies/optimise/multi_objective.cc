@@ -8,7 +8,7 @@
 namespace tools::optimise {
 namespace {
 
-/// pagmo minimises.
+/// Returns a score with all signs changed, because pagmo minimises.
 std::vector<double> negated_scores(const Score& score) {
   std::vector<double> out;
   std::ranges::transform(score, std::back_inserter(out), std::negate<>());

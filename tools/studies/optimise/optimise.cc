@@ -46,7 +46,7 @@ class Comparator {
   bool is_better(const Trial& a, const Trial& b, std::size_t objective) const {
     return most_[objective] ? a.metrics[objective] > b.metrics[objective] : a.metrics[objective] < b.metrics[objective];
   }
-  /// Returns the p-value of `a` being better than `b`.
+  /// Returns the p-value of "`a` is better than `b`" under the null hypothesis that it is not.
   double p_value(const Trial& a, const Trial& b, std::size_t objective) const {
     MeanDifference d = difference_of(b.seen[objective], a.seen[objective]);
     if (!most_[objective]) d.value = -d.value;
@@ -128,11 +128,11 @@ std::string noise_text(const SearchRun& search) {
 }
 
 constexpr std::size_t kMostCommands = 20, kMostNear = 20,
-                      kMostNamed = 20;  // in the terminal; files have all
+                      kMostNamed = 20;  // points listed in the terminal; files list all
 
 std::string command_of(const Trial& trial) { return command_text(trial.point.run_options().argv); }
 
-/// Returns the indices of goals with different metrics.
+/// Returns the indices of the goals to show as columns: one goal for each metric.
 std::vector<std::size_t> shown_goals(const SearchRun& search) {
   std::vector<std::size_t> shown;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
@@ -149,7 +149,7 @@ std::string goals_text(const SearchRun& search) {
                      fmt::join(constraints, ", "));
 }
 
-/// Returns the line number in history.jsonl.
+/// Returns the number of a point: the index of its line in history.jsonl, from 0.
 std::size_t number_of(const SearchRun& search, const Trial& trial) {
   return static_cast<std::size_t>(&trial - search.trials().data());
 }
@@ -203,7 +203,7 @@ std::string doubtful_text(const SearchRun& search, const std::vector<const Trial
   return text;
 }
 
-/// Lists the extrapolations in the points of an answer, and other points with extrapolations.
+/// Lists the extrapolated metrics of the points in `answer`, then the other points that have extrapolated metrics.
 std::string extrapolations_text(const SearchRun& search, const std::vector<const Trial*>& answer) {
   std::map<std::string, std::vector<std::size_t>> lines;
   for (const Trial* trial : answer) {

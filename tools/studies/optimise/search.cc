@@ -78,8 +78,8 @@ class Search::Models {
     return e;
   }
 
-  /// Returns the score of a metric that is better than its mean by `deviations` standard deviations. The range of all
-  /// results is 0 to 1.
+  /// Returns the score of a metric that is better than its estimated mean by `deviations` standard deviations. Scores
+  /// of simulated points range from 0 to 1.
   double score_at(const Estimated& e, std::size_t objective, double deviations) const {
     const Estimate& metric = e.metrics[objective];
     const double better = metric.mean + (is_max(objective) ? 1 : -1) * deviations * metric.deviation;
@@ -128,7 +128,7 @@ class Search::Models {
   }
 
   bool is_max(std::size_t objective) const { return search_.goals_[objective].kind == Goal::Kind::kMax; }
-  /// Negates a value that is to be minimised.
+  /// Returns the value, negated if the objective is minimised.
   double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
   /// Returns the metric of a simulated point on the scale of its surrogate; a noisy one is replaced by its estimate.
@@ -156,9 +156,11 @@ class Search::Models {
 
   Search& search_;
   bool any_failed_ = false;
-  std::vector<double> low_, range_;  ///< of the scores of all points with metrics
+  /// By objective: lowest score, and range of the scores, over all points with metrics.
+  std::vector<double> low_, range_;
   bool has_feasible_ = false;
-  double best_ = -std::numeric_limits<double>::infinity();  ///< of feasible points; upward() in a single objective
+  double best_ = -std::numeric_limits<double>::infinity();  ///< best value of a single objective over feasible points,
+                                                            ///< negated if minimised
   HypervolumeGain gain_;
   std::map<Choice, Estimated> estimated_;
 };
@@ -236,7 +238,7 @@ void Search::add_look(const Choice& point, const std::vector<double>& metrics) {
   for (std::size_t g = 0; g < goals_.size(); ++g) looks_[g].emplace(point, metrics.at(g));
 }
 
-/// Draws a point of the grid, valid or not.
+/// Draws a random combination of axis values, which may be invalid.
 Choice Search::draw_point() {
   Choice point(sizes_.size());
   ++draws_;
@@ -259,7 +261,7 @@ void Search::add_random(std::size_t count, std::set<Choice>& points) {
   for (std::size_t i = 0; i < order.size() && count != 0; ++i) add(all_[order[i]]);
 }
 
-/// Returns two opposite corners and a Latin hypercube.
+/// Returns the first points of a search: two opposite corners of the space and a Latin hypercube.
 std::vector<Choice> Search::spread_points(std::size_t count) {
   std::set<Choice> points;
   Choice low(sizes_.size(), 0), high = low;
@@ -299,8 +301,8 @@ std::vector<Choice> Search::neighbours_of_front() const {
   return near;
 }
 
-/// Runs NSGA-II on the estimates. With one objective the second is the acquisition value, so that both good and
-/// uncertain points are found.
+/// Runs NSGA-II on the estimates. A search with one objective uses the acquisition value as a second one, so that both
+/// good and uncertain points are found.
 std::vector<Choice> Search::evolve_points(Models& models, double optimism, std::uint64_t seed) {
   if (genes_.empty()) return {};
   const auto to_point = [&](const Choice& genes) {

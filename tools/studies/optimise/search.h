@@ -12,7 +12,7 @@
 
 namespace tools::optimise {
 
-/// The search space.
+/// Search space: its axes, and a predicate for the combinations that may be proposed.
 struct Space {
   std::vector<AxisShape> axes;
   std::function<bool(const Choice&)> is_wanted;
@@ -42,12 +42,12 @@ class Search {
   /// noisy metrics; `are_bounds`: they are assumed upper bounds, not measured.
   void add_result(const Choice& point, const std::optional<std::vector<double>>& metrics,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
-  /// Adds approximate metrics of a point, which may still be proposed.
+  /// Adds the approximate metrics of a first look at a point. The point may still be proposed.
   void add_look(const Choice& point, const std::vector<double>& metrics);
 
   /// Scores of the points with a result that meet all constraints.
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }
-  /// Converts metrics to a score.
+  /// Returns the score of a point with these metrics, one per goal.
   Score score_of(const std::vector<double>& metrics) const;
 
  private:
@@ -69,8 +69,9 @@ class Search {
   std::vector<std::uint32_t> sizes_;
   std::vector<Choice> all_;  ///< all points of a small space
 
-  std::map<Choice, bool> results_known_;                     ///< false: it cannot be simulated
-  std::vector<Surrogate::Values> metrics_, errors_, looks_;  ///< per goal
+  std::map<Choice, bool> results_known_;  ///< false: it cannot be simulated
+  /// By goal: simulated metrics, their errors, and metrics of first looks.
+  std::vector<Surrogate::Values> metrics_, errors_, looks_;
   bool errors_are_bounds_ = false;
   std::map<Choice, Score> feasible_scores_;
   std::vector<Surrogate> surrogates_;  ///< one per goal, then one for whether a point can be simulated

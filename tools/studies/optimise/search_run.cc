@@ -22,8 +22,8 @@ using sweep::Point;
 
 constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget is spread over the space
 constexpr std::size_t kLooks = 4;              // first looks per simulated point
-constexpr std::uint64_t kMostImpossible = 10;  // per point of the budget
-constexpr double kIdentical = 100;             // dB, for a picture that is identical to its reference
+constexpr std::uint64_t kMostImpossible = 10;  // impossible points tolerated for each point of the budget
+constexpr double kIdentical = 100;             // PSNR in dB given to a picture that is identical to its reference
 
 /// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {
@@ -66,7 +66,7 @@ void check_looks(const Task& task) {
   }
 }
 
-/// Returns the numbers of a report. An identical picture has a finite PSNR.
+/// Returns the numbers of a report. The infinite PSNR of an identical picture is replaced by kIdentical.
 std::vector<ReportNumber> metric_values_of(sim::Json json) {
   const sim::JsonPointer identical("/totals/identical");
   if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
@@ -194,7 +194,7 @@ bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, s
       trial.error = trial.point.error;
     }
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
-    if (is_known) continue;  // other values that result in the same machine
+    if (is_known) continue;  // axis values that give the same machine as an earlier point
     indices.emplace(ids.back(), fresh.size());
     fresh.push_back(std::move(trial));
   }

@@ -45,7 +45,8 @@ class SearchRun {
     std::function<void(const std::vector<sweep::Point>& points)> announce;
     sweep::Launcher::PointWatch watch;  ///< called for each point of a batch
   };
-  /// Returns false if interrupted. InputError for a metric that reports do not have.
+  /// Runs the search until its budget is spent. Returns false if interrupted. InputError for a metric that reports do
+  /// not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }

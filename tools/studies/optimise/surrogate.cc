@@ -96,7 +96,7 @@ GaussianProcess::Solution GaussianProcess::solve_model(std::span<const Observati
     }
     s.factor(i, i) = 1 + s.nugget + here.variance * share * share / (scale_ * scale_ * variance);
   }
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factored(s.factor);  // in place
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factored(s.factor);  // factorises in place
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
   const Eigen::VectorXd solved_ones = factored.solve(ones);
   s.mean = solved_ones.dot(s.values) / ones.dot(solved_ones);

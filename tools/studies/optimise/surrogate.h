@@ -31,7 +31,7 @@ struct Estimate {
 struct Observation {
   Choice at;
   double value = 0;
-  double variance = 0;  ///< of its noise, which is independent of other points; 0: exact
+  double variance = 0;  ///< variance of the value's noise, which is independent of other points; 0: exact
 };
 
 /// Estimates a function of the axes from some of its values by Kriging: a constant mean and a Matern 5/2 covariance
@@ -80,7 +80,7 @@ class Surrogate {
   void fit(const Values& simulated, const Values& looks, const Values& errors = {}, bool errors_are_bounds = false);
   /// Forbids the logarithm, for a metric with a limit of 0 or less.
   void forbid_log() { may_be_log_ = false; }
-  /// Returns the estimate on the scale of the model.
+  /// Returns the estimate on the model's scale, which is logarithmic if the logarithm of the metric is modelled.
   Estimate estimate_at(const Choice& point) const { return active_process().estimate_at(point); }
   double from_model_scale(double value) const;
   double to_model_scale(double value) const;

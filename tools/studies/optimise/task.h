@@ -15,7 +15,7 @@ struct Goal {
   enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
   Kind kind = Kind::kMax;
   std::string metric;  ///< a report path, or an unambiguous end of one
-  double limit = 0;    ///< of a constraint
+  double limit = 0;    ///< limit of a constraint; unused for an objective
   std::string at;      ///< "file:line:column", for messages
 
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }

@@ -158,8 +158,9 @@ constexpr std::string_view kPixelsFile = "pixels.exr";
 constexpr std::size_t kMostPixels = 1 << 19;  ///< pixels of an overlay; larger ones are averaged over squares
 constexpr std::size_t kAnyPixels = std::numeric_limits<std::size_t>::max();
 // Bytes of data: URLs of a page. A frame of 2048x1024 then makes at most 6 MB.
-constexpr std::uint64_t kLargestPictures = 3'900'000;  ///< picture, pixel overlays and debug pictures
-constexpr std::uint64_t kLargestDebug = 1'000'000;     ///< debug pictures
+/// Limit for the picture, its pixel overlays and debug pictures together.
+constexpr std::uint64_t kLargestPictures = 3'900'000;
+constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
 
 /// Overlays of a picture. Tiles: {id, name, tile, unit, values, low, high}. Pixels: {id, name, pixels, step, unit, low,
 /// high, scale}.
@@ -211,7 +212,8 @@ void add_tiles(const ReportFile& report, Overlays& out) {
   if (cycles > 0) out.times = times_of(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
 }
 
-/// Adds the similar ratio and the block side of each tile of an adaptive frame.
+/// Adds two overlays of a frame with adaptive sampling: for each tile the share of similar samples and the side of its
+/// blocks.
 void add_samples(const ReportFile& report, Overlays& out) {
   const sim::JsonPointer pointer("/sampling/tiles");
   const Json& frame = first_frame_of(report);

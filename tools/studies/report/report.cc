@@ -54,7 +54,7 @@ std::string command_of(const ReportFile& report) {
   return sim::printable(command_text(words), kLongestCommand);
 }
 
-/// Returns the report without most of what its frames contain.
+/// Returns the report with only those members of its frames that the page shows.
 Json trimmed_report(Json report) {
   const auto frames = report.find("frames");
   if (frames == report.end() || !frames->is_array()) return report;
@@ -86,7 +86,7 @@ std::string bound_of(const hw::KernelSchedule& s, const hw::ArrayConfig& array) 
   if (s.rec_mii >= s.ii) return "values from item to item";
   const auto ops = [&](OpClass op) { return static_cast<double>(s.ops[static_cast<std::size_t>(op)]); };
   const auto per_unit = [](double work, std::uint32_t units) { return units == 0 ? 0 : work / units; };
-  // The least interval at which the operations fit each resource.
+  // For each resource: the smallest initiation interval at which the operations fit.
   const std::pair<double, const char*> most = std::max<std::pair<double, const char*>>(
       {{per_unit(s.fu_ops, array.unit_count()), "functional units"},
        {per_unit(ops(OpClass::kFpMul) + ops(OpClass::kFpMulAdd) + ops(OpClass::kIntMul), array.mul_units),
@@ -121,8 +121,8 @@ bool is_small(const sim::Band& pj, const sim::Band& total) {
          pj.high < kSmallShare * total.high;
 }
 
-/// Returns links from the total to blocks, and from each block to its events, its clock and its leakage. Standby of the
-/// memory is moved from leakage to an event.
+/// Returns the links of the energy diagram: from the total to blocks, and from each block to its events, its clock and
+/// its leakage. Standby of the memory is moved from leakage to an event.
 Json energy_flow(const PricedRun& run) {
   const sim::EnergyReport energy = run.energy();
   const auto device = hw::dram_energy_events(run.config().gpu->dram);
@@ -320,7 +320,7 @@ std::vector<double> cell_differences(const traces::Texture& a, const traces::Tex
   return sums;
 }
 
-/// Returns the block of both pictures and of what differs.
+/// Returns the page's data of the pictures of two runs: both pictures, and grids of their differences.
 Json pictures_json(const Difference& d) {
   const auto size = [](const ReportFile& report) {
     return std::pair{report.number("resolution[0]"), report.number("resolution[1]")};
@@ -388,7 +388,7 @@ Json diff_data(const std::vector<ReportFile>& reports) {
 
 namespace fs = std::filesystem;
 
-/// Identifies pages that we write, within their first bytes.
+/// Text within the first bytes of a page by which this program recognises its own pages.
 constexpr std::string_view kPageMark = "<meta name=\"generator\" content=\"raywatt report\">";
 
 /// Scripts and style of all pages, made by tools/report_page.
@@ -420,7 +420,7 @@ std::string json_for_html(const Json& json) {
   return escape_text(sim::json_line(json), {{'<', "\\u003c"}, {'>', "\\u003e"}, {'&', "\\u0026"}});
 }
 
-/// Returns a source of a content security policy that allows only this text.
+/// Returns a source expression for a content security policy, which allows only a script or style with this text.
 std::string hash_source(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
   SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());
@@ -428,8 +428,8 @@ std::string hash_source(std::string_view text) {
   return fmt::format("'sha256-{}'", url.substr(url.find(',') + 1));
 }
 
-/// Moves pictures from the data into a list and replaces them by their numbers. Each is stored once, and the page is
-/// drawn before they are read.
+/// Moves pictures from a page's data into a list and replaces each by its index there. A picture is stored once, and
+/// the page is drawn before pictures are decoded.
 void move_pictures(Json& node, Json& pictures) {
   if (node.is_structured()) {
     for (Json& child : node) move_pictures(child, pictures);
@@ -451,7 +451,7 @@ std::vector<fs::path> bundle_folders() {
   return folders;
 }
 
-/// Throws if the text of an inline element would end it, or begin a comment.
+/// Throws if a script or style contains text that would end its HTML element or begin an HTML comment.
 void check_inline(const Bundle& bundle) {
   const auto check = [](const std::string& text, const char* file, const char* end) {
     if (text.find(end) != std::string::npos)

@@ -52,14 +52,15 @@ std::string data_url(std::string_view mime, std::string_view bytes);
 /// file does not exist or is not a picture.
 std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t most);
 
-/// Tiles of a picture in row order, and the tile of each row of a tile table.
+/// The grid of tiles of a picture, numbered row by row. `tile_of_row` has the tile of each row of tiles.json.
 struct TileGrid {
   double side = 0;
   std::size_t columns = 0, rows = 0;
   std::vector<std::size_t> tile_of_row;
   std::size_t size() const { return columns * rows; }
 };
-/// InputError for a table without positions, and for tiles outside of the picture.
+/// Returns the grid of tiles of a picture of this size. InputError if the table has no tile positions, or a tile
+/// outside of the picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
 /// A metric of a tile: the sum of columns of tiles.json minus another column, over all rows of the tile.

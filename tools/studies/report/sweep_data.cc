@@ -31,7 +31,7 @@ constexpr std::size_t kLongestText = 4000;
 constexpr const char* kHeadlines[] = {"totals.perf.frames_per_joule_gpu", "totals.perf.fps", "totals.energy_mj.nominal",
                                       "totals.power_w.nominal", "totals.cycles"};
 
-/// A metric of the points. `show` is the format that the page's script uses.
+/// A metric that the page of a sweep shows. `show`: format in which the page's script prints it.
 struct Metric {
   std::string path, words;
   const char* show = "number";
@@ -68,7 +68,7 @@ std::string question_in(const fs::path& folder) {
   try {
     return sweep::read_spec(folder / "sweep.yaml").question;
   } catch (const sim::InputError&) {
-    return {};  // the results can be shown without it
+    return {};  // the results can be shown without the task
   }
 }
 
@@ -141,7 +141,7 @@ class Sweep {
       return {};
     }
   }
-  /// Adds a metric if a point has a value of it.
+  /// Adds a metric to the page if at least one point has it.
   void add_metric(Metric metric) {
     try {
       const results::Objective objective(results_, metric.path);
@@ -178,7 +178,7 @@ class Sweep {
     const auto found = std::ranges::find(metrics_, path, &Metric::path);
     return found == metrics_.end() ? nullptr : &*found;
   }
-  /// Adds the metrics of these paths that points have and that are not in the list.
+  /// Appends the metrics with these paths to `list`, except those that it already contains or that no point has.
   void add_metrics_at(const auto& paths, std::vector<const Metric*>& list) const {
     for (const auto& path : paths) {
       const Metric* const metric = metric_at(path);
@@ -381,12 +381,12 @@ class Sweep {
   const fs::path folder_;
   const results::Results& results_;
   std::vector<sweep::Point> points_;
-  std::optional<optimise::Task> task_;   ///< of a search
+  std::optional<optimise::Task> task_;   ///< the task of a search; none for a sweep
   std::vector<std::string> goal_paths_;  ///< by goal; empty for a metric that no point has
   std::vector<results::Column> axes_;    ///< axes with several values
   std::vector<Metric> metrics_;          ///< metrics that a point has
   std::vector<results::Column> values_;  ///< by metric; means of replicates
-  std::vector<bool> done_, eligible_;    ///< by row
+  std::vector<bool> done_, eligible_;    ///< by point: it has a result; it may also be the best or on the front
   bool has_constraints_ = false;
 };
 

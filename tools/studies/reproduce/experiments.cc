@@ -10,7 +10,7 @@ namespace tools::reproduce {
 
 namespace {
 
-/// Triangles of a built-in scene in a quick run.
+/// Setting for quick runs: number of triangles of a built-in scene.
 constexpr const char* kFewTriangles = "scene.triangles=15000";
 
 Sets join_sets(Sets a, const Sets& b) {
@@ -27,7 +27,7 @@ void add_metrics(Case& c, const std::string& experiment, const std::vector<std::
   for (PaperMetric& metric : metric_list(experiment, metrics)) c.metrics.push_back(std::move(metric));
 }
 
-/// A case at the paper's resolution, reduced if `quick`.
+/// Returns a case at the paper's resolution, which is reduced if `quick`.
 Case case_of(const View& view, std::string setting, std::uint32_t width, std::uint32_t height, ProgramSetup run,
              ProgramSetup reference, bool quick) {
   return {.view = view,
@@ -129,14 +129,14 @@ View view_of_kim(const std::string& scene, bool quick) {
   return view;
 }
 
-/// grid x grid samples per pixel; the reference traces all of them.
+/// Returns a case of undersampling with grid x grid samples per pixel. The reference traces all samples.
 Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t grid, bool quick) {
   return case_of(view, fmt::format("{}x{}", grid, grid), width, height,
                  {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
                  {fmt::format("full:{}", grid * grid)}, quick);
 }
 
-/// Tables 5 and 3(a) of a scene, and its part of figures 1 and 6.
+/// Adds the cases of one scene for tables 3(a) and 5 and for figures 1 and 6.
 void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick) {
   const View view = view_of_kim(scene, quick);
   for (const std::uint32_t width : {512U, 1024U, 2048U}) {
@@ -156,7 +156,7 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
   }
 }
 
-/// Thin objects and their shadows, with and without post-correction.
+/// Adds the cases of figure 6: thin objects and their shadows, with and without post-correction.
 void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
   const View view = view_of_kim("bathroom", quick);
   Case without = undersample_case(view, 1024, 1024, 1, quick);
@@ -176,7 +176,7 @@ void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
   cases.insert(cases.end(), {without, shadows, fine});
 }
 
-/// An increasing share of the bathroom are mirrors.
+/// Adds the cases of table 3(b): mirrors cover 20 to 100 % of the bathroom's pixels.
 void add_table_3b(std::vector<Case>& cases, bool quick) {
   for (const std::uint32_t share : {20U, 40U, 60U, 80U, 100U}) {
     if (quick && share % 40 != 20) continue;
@@ -255,7 +255,7 @@ void set_both(Sets& sets, const std::string& key, double value) {
   sets.push_back(threshold_key("secondary_" + key, value));
 }
 
-/// The paper's defaults; `alpha` is the threshold of colour and of both textures.
+/// Returns the paper's default program; `alpha` is the threshold of colour and of both textures.
 ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
   ProgramSetup program{"supersample", {threshold_key("colour", alpha)}};
   set_both(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
@@ -298,7 +298,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
   add("in focus", shadows);
 }
 
-/// One strict attribute, all others at 1.
+/// Adds the cases of figure 6: one attribute has a strict threshold, all others have threshold 1.
 void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
   view.sets = reproduction_rules();
@@ -317,7 +317,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Only colour against all thresholds: quality by number of samples.
+/// Adds the cases of figure 7: quality over number of samples, with the colour threshold alone and with all thresholds.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
@@ -356,10 +356,10 @@ constexpr std::uint32_t kChiuSide = 1024;
 ProgramSetup unfiltered_program() { return {"reconstruct", {"reconstruct.radius=0"}}; }
 ProgramSetup sraa_program() { return {"reconstruct:sraa"}; }
 ProgramSetup reconstruction_program() { return {"reconstruct"}; }
-/// Rasterisers find the geometry.
+/// Returns the reconstruction program whose geometry samples come from rasterisers.
 ProgramSetup raster_reconstruction() { return {"reconstruct", {"render.primary=raster"}}; }
 ProgramSetup printed_weights() { return {"reconstruct", {"reconstruct.normal_weight=factor"}}; }
-/// Uses the colour test of supersample.
+/// Returns the reconstruction program with the colour test of `supersample`.
 ProgramSetup colour_test() { return {"reconstruct", {"reconstruct.colour=0.02"}}; }
 ProgramSetup four_samples() { return {"full:4", {"render.samples=rotated"}}; }
 ProgramSetup sixteen_samples() { return {"full:16"}; }
@@ -375,7 +375,7 @@ View view_of(const std::string& scene, const std::string& stand_in, bool quick, 
   if (quick && stand_in != "cornell") view.sets.emplace_back(kFewTriangles);
   return view;
 }
-/// A court with a polished floor.
+/// Returns the view of the scene that replaces Sponza: a court with a polished floor.
 View sponza_view(bool quick, const std::string& camera = {}) { return view_of("Sponza", "atrium", quick, camera); }
 
 Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, const ProgramSetup& reference,
@@ -389,7 +389,7 @@ ProgramSetup on_tni_alone(ProgramSetup program) {
   return program;
 }
 
-/// Time by resolution, of the frame and of its two passes.
+/// Adds cases that measure the time of the frame and of its two passes at several resolutions.
 void add_times(std::vector<Case>& cases, bool quick) {
   const View view = sponza_view(quick);
   for (const std::uint32_t pixels : {256U, 512U, 768U, 1024U}) {
@@ -412,7 +412,7 @@ void add_times(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Pictures of all filters, and of four samples at the positions of the geometry.
+/// Adds cases that write pictures: of all filters, and of four shaded samples at the positions of the geometry samples.
 void add_pictures(std::vector<Case>& cases, const std::string& figure, const View& view, const std::vector<Crop>& crops,
                   bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
@@ -430,7 +430,7 @@ void add_pictures(std::vector<Case>& cases, const std::string& figure, const Vie
   }
 }
 
-/// Errors by mask, for both interpretations of the normal weight and for the colour test.
+/// Adds cases that measure errors by mask, for both interpretations of the normal weight and for the colour test.
 void add_quality(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
                  std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
   for (const Setting& s : {Setting{"none", unfiltered_program()},
@@ -502,9 +502,9 @@ struct Machine {
 };
 
 Machine whole_gpu() { return {"whole GPU", {}}; }
-/// T&I units alone, as the papers measured.
+/// Returns the machine that the papers measured: T&I units that never wait for rays.
 Machine units_alone() { return {"T&I alone", tni_alone()}; }
-/// One traversal unit per intersection unit, which it rarely waits for.
+/// Returns a machine with one traversal unit per intersection unit, so that traversal rarely waits for intersection.
 Machine one_trv() {
   Machine machine = units_alone();
   machine.name = "T&I alone, one TRV";
@@ -546,7 +546,7 @@ class Plan {
   const bool quick_;
 };
 
-/// Before 2014: one box tester, one pipe for all work, a memory record per box.
+/// Adds cases against the traversal unit before 2014: one box tester, one pipe for all work, a memory record per box.
 void add_two_boxes(Plan& plan, const Machine& m) {
   plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
            join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});
@@ -563,7 +563,7 @@ void add_reorder(Plan& plan, const Machine& m) {
   }
 }
 
-/// Sizes that the paper does not give: rays in flight per unit, and cache sizes.
+/// Adds cases that vary sizes which the paper does not give: rays in flight per unit, and cache sizes.
 void add_sizes(Plan& plan, const Machine& m) {
   const auto add = [&](const std::string& size, const Sets& sets) {
     for (const char* other : {"bypass", "blocking"}) {

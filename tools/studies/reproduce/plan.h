@@ -14,7 +14,7 @@ struct View {
   std::string scene;               ///< name in the paper
   std::string stand_in;            ///< workload or built-in scene, used if no file of `files` exists; may be empty
   std::vector<std::string> files;  ///< file names in --scenes DIR; the first that exists is used
-  std::string camera{}, frame{};   ///< empty: of the workload
+  std::string camera{}, frame{};   ///< empty: camera and frame of the workload
   Sets sets{};
   std::uint32_t mirrors = 0;  ///< percent of pixels that reflect (set_reflective_share()); 0: unchanged
   friend bool operator==(const View&, const View&) = default;
@@ -46,14 +46,14 @@ struct Case {
   std::uint32_t width = 0, height = 0;
   ProgramSetup run{};
   ProgramSetup reference{};
-  bool machine = true;  ///< false: only the picture and the counts of samples
+  bool machine = true;  ///< false: no machine is simulated; only the picture and the counts of samples are made
   bool truth = false;   ///< PSNR against 256 samples per pixel, not against the reference
   std::vector<PaperMetric> metrics{};
   std::string picture{};      ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
   std::vector<Crop> crops{};  ///< figure-PICTURE-NAME.png, also of the reference and the difference
 };
 
-/// The experiments of a paper. `quick`: some of them, at a fraction of the resolution, with fewer triangles.
+/// The experiments of a paper. `quick` selects some of them, at a fraction of the resolution and with fewer triangles.
 struct Paper {
   std::string_view name;
   std::string_view title;
@@ -70,13 +70,14 @@ std::vector<Case> hybrid_cases(bool quick);
 /// All papers.
 const std::vector<Paper>& all_papers();
 
-/// Keys that adapt a scene to these experiments, as traces/workloads/reproduction.yaml does for built-in scenes.
+/// Returns settings that adapt a scene to these experiments, as traces/workloads/reproduction.yaml does for built-in
+/// scenes.
 Sets reproduction_rules();
 
-/// Keys of a machine whose T&I units never wait for rays, to measure them alone.
+/// Returns settings of a machine whose T&I units never wait for rays, so that they are measured alone.
 Sets tni_alone();
 
-/// Returns the pixels of a side, reduced if `quick`.
+/// Returns the side of a picture in pixels: `pixels`, or a fraction of it if `quick`.
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick);
 
 }  // namespace tools::reproduce

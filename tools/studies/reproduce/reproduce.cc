@@ -140,7 +140,7 @@ std::string published_text(const Row& row) {
   return row.published->low == row.published->high ? low : low + " to " + metric_text(metric, row.published->high);
 }
 
-/// Returns the difference to the published value, in dB or percent.
+/// Returns the difference between the measured and the published value, in dB or percent.
 std::string difference_text(const Row& row) {
   if (!row.measured || !row.published) return "";
   const double value = *row.measured;
@@ -217,7 +217,7 @@ std::string results_text(const Results& results) {
 
 namespace {
 
-/// Returns a table of programs and references by setting.
+/// Returns a Markdown table with the program and the reference of each setting.
 std::string programs_markdown(std::span<const Row> rows) {
   std::string out = "\n| setting | run | compared with |\n|---|---|---|\n";
   std::vector<std::string> listed;
@@ -230,7 +230,7 @@ std::string programs_markdown(std::span<const Row> rows) {
   return out;
 }
 
-/// Returns a table of the median and range of each metric over the scenes.
+/// Returns a Markdown table with the median and the range of each metric over the scenes.
 std::string scenes_markdown(std::span<const Row> rows) {
   std::string out;
   std::vector<std::pair<std::string, std::string>> listed;
@@ -292,7 +292,7 @@ using sim::Json;
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< typical: 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
-/// True if everything that rows depend on is equal, except their own cases.
+/// True if an earlier run has the same header as `head`, so that its rows are valid in this run.
 bool is_same_run(const Json& former, const Json& head) {
   for (const auto& [key, value] : head.items()) {
     if (key == "partial" || key == "provenance") continue;
@@ -396,7 +396,7 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures cases until there are more rows than in `folder`, then writes all files.
+  /// Measures cases until this run has more rows than the results in `folder`, then replaces those results.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
@@ -500,7 +500,7 @@ class Job {
     }
   }
 
-  /// Returns the members before the rows: everything that rows depend on, except their cases.
+  /// Returns the header of reproduce.json: everything that the rows depend on, except their cases.
   sim::Json header_json() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};

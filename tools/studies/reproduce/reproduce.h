@@ -13,8 +13,7 @@ namespace tools::reproduce {
 
 /// Runs the experiments of a paper and compares measured with published values.
 ///   1. After each setting the output folder has reproduce.md, reproduce.json and pictures, marked partial until all
-///   are
-///      done. At the end the table is printed.
+///      are done. At the end the table is printed.
 ///   2. If it is stopped, the same call continues with the missing settings.
 ///   3. A missing or broken scene loses only its own rows.
 /// InputError for an unknown paper or an invalid configuration, before anything runs.
@@ -41,7 +40,7 @@ Published load_published(const std::string& paper);
 /// Parses the text: experiment: scene: setting: {metric: number, metric: {low: number, high: number}}.
 Published parse_published(const std::string& text, const std::string& name);
 
-/// A measured and a published value.
+/// A row of the results: a metric with its measured and its published value.
 struct Row {
   MetricKey key;
   std::string stand_in;

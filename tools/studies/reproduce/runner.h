@@ -48,9 +48,9 @@ struct ProgramResult {
 struct Comparison {
   const ProgramResult& run;
   const ProgramResult& reference;
-  double squared_error = 0;                  ///< of the picture
-  MaskedErrors masked{};                     ///< by mask, if a metric needs it
-  std::optional<double> reflective_share{};  ///< of the pixels of the view
+  double squared_error = 0;                  ///< mean squared error of the picture
+  MaskedErrors masked{};                     ///< mean squared error by mask, if a metric needs it
+  std::optional<double> reflective_share{};  ///< share of the view's pixels that reflect
 };
 
 /// A metric that can be measured.
@@ -59,12 +59,13 @@ struct Metric {
   std::string_view name;
   std::string_view meaning;
   Shown shown;
-  bool machine;  ///< needs cycles or energy
-  /// Returns nothing if the metric does not exist: the PSNR of a picture that is identical to its reference.
+  bool machine;  ///< true: the metric needs cycles or energy of the machine
+  /// Computes the metric. Nothing if it is not defined, such as the PSNR of a picture that is identical to its
+  /// reference.
   std::optional<double> (*measure)(const Comparison&);
 };
 
-/// Returns the metric of a name; std::logic_error if there is none.
+/// Returns the metric with this name; throws std::logic_error if there is none.
 const Metric& find_metric(std::string_view name);
 
 /// True if the metric needs errors by mask.
@@ -93,12 +94,13 @@ struct Measured {
   std::string why_not{};
 };
 
-/// Measures cases. Scene, tree and runs are reused by consecutive cases that need the same.
+/// Measures the cases of a paper. Consecutive cases with the same scene, BVH or runs share them.
 class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}
 
-  /// Returns the metrics of a case in its order. InputError if its scene does not exist or cannot be read.
+  /// Returns the values of the case's metrics, in the order of Case::metrics. InputError if its scene does not exist or
+  /// cannot be read.
   std::vector<Measured> measure_case(const Case& c);
 
   /// Returns the name or file of the scene that replaces the one of the paper. InputError if there is none.
@@ -121,7 +123,7 @@ class Runner {
   Progress* progress_;
   std::optional<Inputs> inputs_;
   View view_;
-  std::string inputs_key_;  ///< of the loaded scene
+  std::string inputs_key_;  ///< inputs_key() of the loaded scene
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
   std::map<std::string, ProgramResult> results_by_program_;  ///< for the current view and resolution

@@ -13,7 +13,7 @@ class Progress;
 
 struct SustainOptions {
   JobOptions job;
-  double minutes = 0;  ///< simulated; 0: thermal.minutes, or ten
+  double minutes = 0;  ///< simulated minutes; 0: thermal.minutes, or ten if that is 0
   double loop = 60;    ///< seconds of a loop, over which frame rates are averaged
   double fps = 0;      ///< frames begin at this rate; 0: each begins when the last ends
 };
@@ -21,8 +21,9 @@ struct SustainOptions {
 /// A sustained run, its clocks, and the steady temperatures of each clock.
 struct SustainStudy {
   std::vector<SustainStep> steps;
-  std::vector<std::vector<double>> mhz, volt;            ///< by step, of each clock domain
-  std::vector<std::optional<sim::Temperatures>> steady;  ///< by step, without the governor; none: it runs away
+  std::vector<std::vector<double>> mhz, volt;  ///< by step: clock and voltage of each clock domain
+  /// By step: steady temperatures without the governor; none: thermal runaway.
+  std::vector<std::optional<sim::Temperatures>> steady;
   SustainSetup setup;
   Sustained run;
   std::vector<std::string> warnings;

@@ -10,7 +10,7 @@ namespace {
 
 using sim::Json;
 
-/// "500/1000/500": a number for each clock domain.
+/// Joins one number per clock domain: "500/1000/500".
 std::string of_domains(const std::vector<double>& values) {
   std::string text;
   for (const double value : values) text += fmt::format("{}{:.4g}", text.empty() ? "" : "/", value);

@@ -49,7 +49,7 @@ std::string label_of(const Point& point) {
 }
 
 struct Planned {
-  std::string text;  ///< of the file
+  std::string text;  ///< contents of the sweep's file
   std::vector<Point> points;
   std::vector<std::string> slurm;
 };
@@ -257,7 +257,7 @@ std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points,
   return ids;
 }
 
-/// Returns the points of a chunk of lines.
+/// Returns the points that `options` selects: a chunk of the lines of its list, or of the points of the sweep.
 std::vector<Point> points_of_chunk(const SweepFolder& folder, const PointOptions& options) {
   const std::vector<Point> all = folder.read_points();
   const std::vector<std::vector<std::string>> lines = list_ids(all, options.list);

@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 using sim::Json;
 
-/// Runs all frames. Interrupted, without a partial result, if an interrupt arrives.
+/// Simulates all frames. After an interrupt it throws Interrupted instead of returning a partial result.
 RunResult run_all(FrameSource& frames, const RunOptions& options) {
   RunResult result = run(frames, options);
   if (result.partial) throw Interrupted{};
@@ -46,7 +46,7 @@ void write_picture(const PlayedFrame& played, const fs::path& file) {
   traces::write_png(file, render.width, render.height, to_rgb8(played.frame.rendered.rgb));
 }
 
-/// The point itself is not at fault, so no Failure is recorded.
+/// Throws IoError: an input of the point has changed since the sweep was planned. No Failure is recorded for the point.
 [[noreturn]] void refuse_changed(const Point& point) {
   throw sim::IoError(
       fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
@@ -76,7 +76,7 @@ Json frames_in(const Store& store, const Point& slice) {
   return sim::parse_json(*bytes).at("frames");
 }
 
-/// Returns one frame of every slice.
+/// Returns the results of frame `frame` from every slice.
 std::vector<Json> at_frame(std::span<const Json> slices, std::size_t frame) {
   std::vector<Json> out;
   for (const Json& slice : slices) out.push_back(slice.at(frame));

@@ -39,7 +39,7 @@ class PointComputer {
   void join_slices_of(const Point& whole, const PointKeys::Key& key, const RunConfig& config);
   /// Computes the missing slices of a point. Returns the failure of the whole point if one of them fails.
   std::optional<Failure> compute_missing_slices(const Point& whole, const Order& order);
-  /// Joins the slices of the whole point if all are there and no other process does.
+  /// Joins the slices of the whole point if all have results and no other process is joining them.
   void join_if_complete(const Point& slice, const Order& order);
   void put_failure(const Point& point, const Failure& failure) const;
   /// Begins to record a stream; nothing if it cannot be recorded or another process records it.

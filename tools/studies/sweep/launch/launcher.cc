@@ -30,7 +30,7 @@
 namespace tools::sweep {
 namespace {
 
-/// Adds the times of a later batch.
+/// Adds the duration and the worker utilisation of a later batch to those of `end`.
 void add_times(const BatchEnd& later, BatchEnd& end) {
   const double seconds = end.seconds + later.seconds;
   if (seconds > 0) end.busy = (end.busy * end.seconds + later.busy * later.seconds) / seconds;
@@ -85,7 +85,7 @@ class Launcher::CutBatch {
   struct Cut {
     bool is_cut = false;
     bool is_new = false;      ///< a slice was computed
-    bool lacks_some = false;  ///< a slice was not
+    bool lacks_some = false;  ///< a slice was not computed
   };
 
   void add_job(const Point& job, std::size_t point) {
@@ -210,7 +210,7 @@ class LocalLauncher final : public Launcher {
     std::optional<std::size_t> point;  ///< current point
     std::string id;                    ///< id of the current point
   };
-  /// One call of run_batch().
+  /// The state of one call of run_batch().
   class Batch {
    public:
     Batch(LocalLauncher& launcher, std::span<const Point> points, const PointWatch& watch)
@@ -263,7 +263,7 @@ class LocalLauncher final : public Launcher {
       std::optional<std::size_t> recorder;  ///< the point that records it
     };
 
-    /// Finishes a point that need not be computed; queues the others.
+    /// Finishes point `p` if it need not be computed; otherwise queues it for a worker.
     void find_in_store(std::size_t p) {
       const PointStatus status = launcher_.store_.status_of(points_[p].id);
       if (!launcher_.needs_computing(status)) return finish_point(p, status);
@@ -280,7 +280,7 @@ class LocalLauncher final : public Launcher {
       return !waiting.locked && (group == nullptr || group->state != Group::State::kRecording);
     }
 
-    /// True if the point has to record its stream for others.
+    /// Returns true if the point must record its stream for other points, and marks the stream as being recorded.
     bool begin_recording(std::size_t p) {
       Group* group = group_of(p);
       if (group == nullptr || group->state != Group::State::kUnrecorded) return false;
@@ -468,7 +468,7 @@ class LocalLauncher final : public Launcher {
       if (!worker.log.empty() && size_of(worker.log) == 0) std::filesystem::remove(worker.log, ignored);
     }
   }
-  /// Removes the unfinished folder of a worker, which a second interrupt may have ended.
+  /// Removes the unfinished result folder of a worker that a second interrupt may have killed.
   void clean_up_after(const Worker& worker) {
     try {
       store_.lock_point(worker.id);  // cleans up, then releases the lock
@@ -539,7 +539,8 @@ void check_options(const LauncherOptions& options) {
 
 std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, const sweep::SweepFolder& folder) {
   if (options.launcher == "slurm") {
-    std::vector<std::string> arguments = folder.slurm_arguments();  // of the file, then of the command line
+    // options in the sweep's file precede those of the command line
+    std::vector<std::string> arguments = folder.slurm_arguments();
     for (const std::string& several : options.slurm_arguments) {
       std::istringstream words(several);
       for (std::string word; words >> word;) arguments.push_back(word);

@@ -20,7 +20,7 @@ struct BatchEnd {
   double seconds = 0;                 ///< host time from the first point begun to the last one finished
   double busy = 0;                    ///< share of that time in which workers had a point; 0 if none was begun
   std::uint32_t workers = 0;
-  bool interrupted = false;  ///< points may be missing
+  bool interrupted = false;  ///< an interrupt ended the batch; some points may have no result
   std::uint64_t count_of(PointStatus status) const;
 };
 
@@ -53,14 +53,14 @@ class Launcher {
  protected:
   Launcher(Store store, bool retry_failed) : store_(std::move(store)), retry_failed_(retry_failed) {}
 
-  /// run() for whole points, for slices, and for cut points whose slices have all ended.
+  /// Computes uncut points and slices. A cut point is passed after all its slices have ended, so that they are joined.
   virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
   /// False if a point with this status is done, or failed and is not retried.
   bool needs_computing(PointStatus status) const {
     return !is_done(status) && (retry_failed_ || status != PointStatus::kFailed);
   }
-  /// Removes the record of a failure, so that one seen later is new.
+  /// Removes the recorded failure of a point, so that a failure found later is a new one.
   void remove_failure(const Point& point) const;
 
   const Store store_;

@@ -82,7 +82,7 @@ class Sink {
   int file_;
 };
 
-/// The environment without variables that make squeue and scancel leave jobs out or ask questions.
+/// Returns the environment without the variables that make squeue and scancel leave out jobs or ask for confirmation.
 std::vector<char*> command_environment() {
   std::vector<char*> variables;
   for (char** v = environ; *v != nullptr; ++v) {
@@ -145,7 +145,7 @@ std::string output_of(const Words& words) {
   return said.out;
 }
 
-/// Lists the tasks of the user whose script is in this folder. IoError.
+/// Returns the queued tasks of this user whose script is in this folder. Throws IoError if squeue fails.
 std::vector<SlurmTask> list_tasks(const fs::path& folder) {
   // The name of the script may contain any character, so it is the last field.
   std::istringstream lines(
@@ -202,11 +202,11 @@ constexpr std::uint64_t kMostListBytes = std::uint64_t{1} << 30;
 /// The tasks of a sweep in the queue of Slurm.
 struct SlurmQueue {
   std::uint64_t running = 0, waiting = 0;  ///< tasks
-  std::set<std::string> jobs;              ///< ids of their arrays
+  std::set<std::string> jobs;              ///< ids of the job arrays of these tasks
   std::set<std::string> reasons;           ///< why tasks wait
 };
 
-/// Path of the folder as the queue shows it.
+/// Returns the path of the folder without symbolic links, as squeue prints it.
 fs::path true_path(const SweepFolder& folder) { return fs::canonical(folder.path()); }
 
 std::vector<std::string> read_lines(const fs::path& file) {
@@ -293,7 +293,7 @@ constexpr std::uint64_t kTasks = 100;
 fs::path list_file(const fs::path& folder, std::uint64_t k) { return folder / fmt::format("submit-{}.txt", k); }
 fs::path script_file(const fs::path& folder, std::uint64_t k) { return folder / fmt::format("submit-{}.sh", k); }
 
-/// Returns the first number that no earlier array has.
+/// Returns the lowest number that no earlier job array of the sweep has.
 std::uint64_t next_array(const fs::path& folder) {
   std::uint64_t k = 1;
   while (fs::exists(script_file(folder, k)) || fs::exists(list_file(folder, k))) ++k;

@@ -51,7 +51,7 @@ class SlurmLauncher final : public Launcher {
 /// work are put next to each other, in one task where they fit.
 std::vector<std::string> task_lines(const std::vector<const Point*>& points, std::uint64_t chunk);
 
-/// Prints what was submitted and the commands to go on.
+/// Prints the number of submitted points and tasks, and the commands that follow or cancel the jobs.
 void print_submitted(const SlurmLauncher::Submitted& submitted, std::span<const Point> points,
                      const std::filesystem::path& out);
 /// Prints that tasks have ended without results, with the last line of their logs.

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kShownTies = 20;
 constexpr double kLittle = 0.05;  // share of the variance below which an axis matters little
 
-/// Table of the points that tie, including the first, with the axes in which they differ.
+/// Returns a table of `rows`, the best point and the points that tie with it, with the axes in which they differ.
 std::string tie_table(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& rows) {
   std::vector<Column> columns;
   std::vector<std::string> header = {"point"};
@@ -51,10 +51,9 @@ std::string tie_table(const Results& results, const FigureNoise& noise, const st
   return table.text() + (rows.size() > kShownTies ? fmt::format("and {} more\n", rows.size() - kShownTies) : "");
 }
 
-/// Table of the axes, each with its values among the ties, and a verdict on each axis:
+/// Returns a table of the axes, each with its values among the tied points and with a verdict:
 /// 1. All values tie: the axis does not matter if it surely explains less than 5 % of the variance; otherwise noise
-/// hides
-///    its best value.
+///    hides its best value.
 /// 2. Not all values tie: the axis matters, or matters little if it explains less than 5 % of the variance.
 std::string axis_table(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
                        const std::vector<std::size_t>& ties) {
@@ -92,8 +91,8 @@ std::string axis_table(const Results& results, const FigureNoise& noise, const s
   return out;
 }
 
-/// Writes the ties with the axes in which they differ, and for each axis its values among the ties and the share of the
-/// variance over all candidates that it explains.
+/// Returns text on the tied points: the axes in which they differ, and for each axis its values among them and the
+/// share of the variance over all candidates that it explains.
 std::string ties_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
                       std::size_t first, const std::vector<std::size_t>& ties) {
   std::vector<std::size_t> rows = {first};
@@ -308,7 +307,7 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
   return out;
 }
 
-/// Figures that are better high, except for those in kBetterLow.
+/// Path prefixes of figures for which more is better, except for those in kBetterLow.
 constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
                                                          "totals.utilisation."};
 constexpr std::array<std::string_view, 5> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
@@ -324,7 +323,8 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// Marks of the points: on the front, on it perhaps ("~" added), and near it ("~").
+/// Returns a column with the mark of each point: a letter on the front, a letter and "~" if it is perhaps on the front,
+/// "~" near the front.
 Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
   Column marks{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) {
@@ -337,9 +337,9 @@ Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
 /// Two figures of the same points under draws of the energy tables.
 struct DrawnPair {
   BandedMetric x, y;
-  std::vector<std::size_t> at;  ///< by row, its index in both
+  std::vector<std::size_t> at;  ///< by row: its index in `x` and in `y`
 
-  /// Share of the draws in which one row dominates another.
+  /// Returns the share of the draws in which row `better` dominates row `worse`.
   double share_dominating(std::size_t better, std::size_t worse) const {
     const std::size_t b = at[better], w = at[worse];
     std::size_t count = 0;
@@ -366,7 +366,7 @@ DrawnPair price_both(const Results& results, const Objective& x, const Objective
   return out;
 }
 
-/// Column with the share of draws in which each row is on the front: "86.5 %".
+/// Returns a column with the share of draws in which each row is on the front: "86.5 %".
 Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   Column shares{"on the front in", std::vector<Value>(rows)};
   const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
@@ -390,13 +390,13 @@ void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& c
   }
 }
 
-/// Line about the noise of a figure; empty if it has none.
+/// Returns a line on the noise of a figure; empty if the figure has no noise.
 std::string noise_line(const Objective& objective, const FigureNoise& noise) {
   return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.describe()) : std::string();
 }
 
-/// True, by `front.rows`, for rows that are significantly better than each other row in one figure, at 5 % for all
-/// comparisons of a row together.
+/// Returns for each entry of `front.rows` whether it is significantly better than every other row in at least one
+/// figure, at 5 % for all comparisons of a row together.
 std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                   const FigureNoise& y_noise, const ParetoFront& front) {
   const std::vector<std::size_t> all = front.all_rows();

@@ -13,7 +13,7 @@
 namespace tools::results {
 
 /// Returns the candidates that are not significantly worse than `first`, the best one, at 5 % for all of them together;
-/// from the best on, without `first`.
+/// ordered from the best, without `first`.
 std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const std::vector<std::size_t>& candidates,
                                    std::size_t first);
 
@@ -23,8 +23,8 @@ struct BestOptions {
   std::vector<std::string> where;
   bool band = false;  ///< also price the points under draws of the energy tables
 };
-/// Writes the point with the highest or lowest metric (of equal ones the first), its configuration and the command that
-/// runs it again. `points`: of the sweep. InputError if no point meets the conditions.
+/// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
+/// command that runs it again. `points`: of the sweep. InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
 /// A figure to minimise or maximise.
@@ -45,10 +45,10 @@ struct ParetoFront {
   std::vector<std::size_t> rows;   ///< rows on the front, the best x first
   std::vector<std::size_t> other;  ///< rows that have both figures and are dominated
   std::vector<std::size_t> near;   ///< rows of `other` that may be on the front, given the noise
-  std::vector<bool> sure{};        ///< by `rows`: surely_on_front()
+  std::vector<bool> sure{};        ///< by `rows`: the row is on the front in spite of the noise
   /// Rows of the front, then all others.
   std::vector<std::size_t> all_rows() const;
-  /// Mark of a row of the front: a letter, or '#' if there are too many.
+  /// Returns the mark of entry `i` of `rows` in the plot: a letter, or '#' if there are too many rows.
   char mark_of(std::size_t i) const;
 };
 
@@ -67,7 +67,7 @@ struct ParetoOptions {
   bool csv = false;
   bool band = false;  ///< also price the points under draws of the energy tables
 };
-/// Writes the plot and the table of the front, or the front as CSV.
+/// Returns the plot and the table of the front, or the front as CSV.
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);
 
 }  // namespace tools::results

@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using sim::Json;
 
-constexpr std::size_t kDeepest = 32;  // levels of nesting of a report
+constexpr std::size_t kDeepest = 32;  // maximum nesting depth of a report
 
 /// Returns a scalar as the index stores it; absent for null, arrays and objects.
 Value scalar_of(const Json& json) {
@@ -171,7 +171,7 @@ struct Collection {
 /// Reads all points on all cores. The result does not depend on the number of cores.
 Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& store) {
   constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
-  /// A thread numbers metrics for itself; `global` are their numbers in the collection.
+  /// The metrics that one thread has found. `global`: the number in the collection of each metric of `names`.
   struct Reader {
     MetricNames names;
     std::vector<std::uint32_t> global;
@@ -323,7 +323,7 @@ void write_metrics(SQLite::Database& index, const Collection& all) {
   }
 }
 
-/// Fills the tables of an index but `sweep`.
+/// Fills all tables of an index except `sweep`.
 void write_tables(SQLite::Database& index, const Collection& all) {
   index.exec("PRAGMA page_size = 8192; PRAGMA foreign_keys = OFF; BEGIN");
   index.exec(kTables);
@@ -417,14 +417,14 @@ std::string file_bytes(SQLite::Database& index) {
   return {reinterpret_cast<const char*>(image.get()), static_cast<std::size_t>(size)};
 }
 
-/// Returns size, inode and time of a file, which change when it does; "-" if there is none.
+/// Returns size, inode and time of a file as text, which changes with the file; "-" if there is no file.
 std::string file_mark(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return "-";
   return fmt::format("{} {} {}.{:09}", status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
 }
 
-/// Returns a hash that changes when anything does from which the index is made.
+/// Returns a hash of everything that the index is made from.
 std::string input_fingerprint(const std::vector<ListedPoint>& points, const sweep::Store& store) {
   sim::Sha256 all;
   all.add(fmt::format("{}\n{}\n", kIndexSchema, store.root().string()));

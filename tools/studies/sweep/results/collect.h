@@ -15,20 +15,21 @@ namespace tools::results {
 
 struct Collected {
   StatusCounts counts;
-  bool unchanged = false;  ///< nothing had changed since the last collection, and nothing was written
+  bool unchanged = false;  ///< no input had changed since the last collection, so nothing was written
 };
 
 /// Makes index.sqlite from points.jsonl and the store, and results.csv from the index. Both are replaced as a whole;
 /// another collector of the same sweep waits. Does nothing if no input has changed. InputError for a damaged list of
 /// points.
 Collected collect_results(const sweep::SweepFolder& folder);
-/// collect_results(); if the folder cannot be written but has an index, only a warning that ends with `consequence`.
+/// Calls collect_results(). If the folder is read-only but has an index, it prints only a warning that ends with
+/// `consequence`.
 void collect_if_writable(const std::filesystem::path& sweep, std::string_view consequence);
 
 /// Returns "200 points: 198 done, 2 failed".
 std::string summary_text(const Collected& collected);
 
-/// Status of a point as tables show it: as Store::status_of(), but a damaged record of a failure counts as failed.
+/// Returns the status of a point for tables: Store::status_of(), except that a damaged failure file counts as failed.
 PointStatus listed_status(const sweep::Store& store, const std::string& id);
 
 /// Numbers paths of metrics in the order of their first use.
@@ -52,19 +53,19 @@ class MetricNames {
   std::vector<std::string> names_;
 };
 
-/// Paths within an entry of `frames` of a report that the index contains, and within `host`.
+/// Paths that the index stores: within each entry of a report's `frames`, and within its `host`.
 inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "time_ms",           "rays.total",
                                              "traversal_steps", "dram_bytes", "energy_mj.nominal", "power_w.nominal",
                                              "traced_ratio",    "psnr_db"};
 inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "timing_s", "rays_per_s", "peak_rss_mb"};
 
-/// The part of a report that the index contains.
+/// The values of a report that the index stores.
 struct ReportScan {
   std::vector<std::pair<std::uint32_t, Value>> metrics;  ///< scalars of `totals`: number of the path, value
   std::vector<std::array<Value, kFrameFigures.size()>> frames;
   std::array<Value, kHostFacts.size()> host;
 };
-/// Reads a report. Returns its error, if any: truncated, no report, or of an
+/// Reads the text of a report into `scan`. Returns an error if the text is truncated, is not a report, or is from an
 /// interrupted run.
 std::optional<std::string> scan_report(std::string_view text, MetricNames& names, ReportScan& scan);
 

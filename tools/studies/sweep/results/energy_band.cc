@@ -25,7 +25,7 @@ std::string sample_interval_text(const std::vector<double>& samples) {
   return fmt::format("{} .. {}", number_text(i.from), number_text(i.to));
 }
 
-/// Returns "cores=2 tni.trvs=4" for a row.
+/// Returns the axis values of a row as text: "cores=2 tni.trvs=4".
 std::string label_of(const std::vector<Column>& varying, std::size_t row) {
   std::string out;
   for (const Column& column : varying) {
@@ -35,7 +35,7 @@ std::string label_of(const std::vector<Column>& varying, std::size_t row) {
   return sim::printable(out, 60);
 }
 
-/// Share of all pairs of points whose order under `b` differs from that under `a`.
+/// Returns the share of all pairs of points that the values `b` order differently from the values `a`.
 double share_of_turned_pairs(const std::vector<double>& a, const std::vector<double>& b) {
   std::size_t pairs = 0, other = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {

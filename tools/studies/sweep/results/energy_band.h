@@ -14,7 +14,7 @@ struct BandedMetric {
   bool most = false;  ///< more is better
   std::vector<std::size_t> rows;
   std::vector<double> nominal;             ///< by point
-  std::vector<std::vector<double>> drawn;  ///< by point, then by draw; nominal for a figure without energy
+  std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to `nominal` for a figure without energy
   std::vector<double> at_low, at_high;     ///< by point, under the low and the high tables
 
   bool is_better(double a, double b) const { return most ? a > b : a < b; }
@@ -27,15 +27,15 @@ struct BandedMetric {
 /// Prices points of a sweep under draws of all entries of their energy tables. Entries of one name are drawn together.
 class EnergyBand {
  public:
-  /// Prices the points that `may` select and that have a report. InputError if one cannot be priced.
+  /// Prices the points that `may` selects and that have a report. InputError if a point cannot be priced.
   EnergyBand(const Results& results, const std::vector<bool>& may);
 
   BandedMetric price_metric(const Column& column, bool most);
   /// Returns the share of draws in which each point is on the Pareto front of two metrics.
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
-  /// Writes a table of the best points by the nominal figure, with the confidence of each rank.
+  /// Returns a table of the best points by the nominal figure, with the confidence of each rank.
   std::string best_text(const Results& results, const BandedMetric& metric) const;
-  /// Writes a table of the entries that change the ranking most. InputError for a figure without energy.
+  /// Returns a table of the energy entries that change the ranking most. InputError for a figure without energy.
   std::string tornado_text(const Results& results, const BandedMetric& metric);
 
  private:

@@ -26,7 +26,8 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
     const ReportFile report = load_report(results.folder_of(results.rows()[row]));
     return default_noise(report.number("resolution[0]") * report.number("resolution[1]"), figure);
   };
-  if (std::ranges::find(results.axes(), "resolution") == results.axes().end()) {  // the configuration's for all points
+  // all points have the resolution of the configuration
+  if (std::ranges::find(results.axes(), "resolution") == results.axes().end()) {
     return std::vector<double>(results.rows().size(), noise_at(rows.front()));
   }
   std::vector<double> out(results.rows().size());
@@ -125,7 +126,7 @@ std::vector<std::string> extrapolation_lines(const sim::Json& report) {
   const sim::JsonPointer count("/totals/extrapolated"), warnings("/warnings");
   std::vector<std::string> lines;
   if (!report.contains(count) || report[count] == 0 || !report.contains(warnings)) return lines;
-  // Only these warnings begin with the name of a table or of their key.
+  // Only warnings about extrapolation begin with the name of a table or of a table's key.
   constexpr std::array<std::string_view, 6> kTables = {"energy.events", "area.arrays",       "latency.arrays",
                                                        "power.dvfs",    "power.max_voltage", "process"};
   for (const sim::Json& line : report[warnings]) {

@@ -21,7 +21,7 @@ class FigureNoise {
  public:
   FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
 
-  /// True if the figure depends on races, so that it has noise.
+  /// True if the figure has noise: it depends on small differences in the timing of tiles.
   bool is_noisy() const { return noisy_; }
   bool is_measured() const { return measured_; }
   /// Values of the points; means of the replicates if noise is measured.
@@ -47,7 +47,7 @@ class FigureNoise {
 /// Returns "± 0.52 %", half of the 95 % interval of the value of a point.
 std::string interval_text(const FigureNoise& noise, std::size_t row);
 
-// Notes below an answer; empty if there is nothing to say.
+// Notes below a table of results; empty if there is nothing to note.
 
 /// Names the points among `rows` with figures of energy, area or latency outside the curves of their tables.
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);

@@ -41,7 +41,7 @@ std::optional<std::size_t> index_of(const std::vector<std::string>& names, std::
   return static_cast<std::size_t>(found - names.begin());
 }
 
-/// True if `text` is a path, its end, or a group in it.
+/// True if `text` is the whole of `path`, its end, or a group of keys in it.
 bool occurs_in(std::string_view text, std::string_view path) {
   const auto is_end = [](char c) { return c == '.' || c == '['; };
   for (std::size_t at = path.find(text); at != std::string_view::npos; at = path.find(text, at + 1)) {
@@ -352,7 +352,7 @@ namespace {
 
 constexpr int kDigits = 4;
 
-/// Returns the power of ten of a number, rounded as it is shown.
+/// Returns the decimal exponent of a number after rounding to the digits that are shown.
 int exponent_of(double number) {
   const std::string text = fmt::format("{:.{}e}", number, kDigits - 1);
   const char* digits = text.data() + text.find('e') + 1;
@@ -361,7 +361,7 @@ int exponent_of(double number) {
   return exponent;
 }
 
-/// Writes a number without a prefix: a count in full.
+/// Returns a number as text without a metric prefix. Counts below 10,000 are written in full.
 std::string plain_text(double number, bool is_count) {
   return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digits(number);
 }
@@ -384,7 +384,8 @@ class SharedPrefix {
   int largest_ = 0;
 };
 
-/// `shortens`: whole numbers are figures, shown with four digits, and no names or settings.
+/// Returns the cells of a column for display. `shortens`: whole numbers are measured figures and are shown with four
+/// digits; otherwise they are names or settings.
 std::vector<std::string> cells_of(const std::vector<Value>& values, bool shortens) {
   const auto number_in = [&](const Value& value) -> std::optional<double> {
     if (const auto* real = std::get_if<double>(&value)) return *real;
@@ -423,11 +424,11 @@ std::string shown_name(const Column& column) { return sim::printable(metric_name
 
 namespace {
 
-/// Figures that are shown unless columns are given.
+/// Figures that a table shows if no columns are requested.
 constexpr const char* kUsualColumns[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
                                          "perf.frames_per_joule_gpu"};
 
-/// Columns of a figure in CSV: mean and interval if there are replicates, else the figure.
+/// Returns the CSV columns of a figure: mean and interval if there are replicates, else the figure.
 std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
   const std::string at = fmt::format("totals.replicates.figures.{}.", figure);
   if (!results.has_metric(at + "mean")) return {figure};

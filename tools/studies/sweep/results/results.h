@@ -32,7 +32,7 @@ using StatusCounts = std::map<PointStatus, std::size_t>;
 /// Returns "2 of 200 points have no result: 1 failed, 1 missing"; empty if all have one.
 std::string missing_text(const StatusCounts& counts);
 
-/// Version of the tables of index.sqlite. A file of another version is made again.
+/// Version of the tables of index.sqlite. An index of another version is rebuilt.
 inline constexpr int kIndexSchema = 1;
 /// Opens index.sqlite for reading, without locks: the file is only ever replaced as a whole. InputError if it is
 /// missing, damaged or of another version.
@@ -50,7 +50,7 @@ struct Row {
   bool is_done() const { return sweep::is_done(status); }
 };
 
-/// One value for each point, in their order.
+/// A column of the results: one value for each point, in the order of the points.
 struct Column {
   std::string name;  ///< full path or name of the axis
   std::vector<Value> values;
@@ -80,7 +80,7 @@ class Results {
   std::string missing_text() const;
 
  private:
-  /// Reads a column by a query of point and value.
+  /// Reads a column with an SQL query that returns pairs of point and value.
   Column query_column(const std::string& name, const std::string& sql, std::int64_t number) const;
   Column read_from_reports(std::string_view text) const;
 
@@ -91,30 +91,30 @@ class Results {
   std::vector<std::string> axes_, metrics_;
 };
 
-/// Reads a column with the mean of the replicates where a point has them. InputError for unknown paths.
+/// Reads a column of a figure. Points with replicates have the mean of their replicates. InputError for unknown paths.
 Column column_of_means(const Results& results, const std::string& path);
 
-/// Tests which points meet all conditions ("power_w.nominal<1 and cores>=2"), by means of replicates; a point without
-/// the value does not. InputError for unknown paths and values that cannot be compared.
+/// Returns for each point whether it meets all conditions ("power_w.nominal<1 and cores>=2"), with means of replicates.
+/// A point that lacks a compared value does not. InputError for unknown paths and values that cannot be compared.
 std::vector<bool> rows_meeting(const Results& results, const std::vector<std::string>& conditions);
 /// Lists the paths that conditions compare, each once.
 std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);
 
-/// Writes a cell of a CSV file, quoted if it contains a comma, a quote or a line end (RFC 4180). A text that begins
-/// with
-/// =, +, -, @, tab or carriage return and is no number gets a leading apostrophe, so that no spreadsheet runs it.
+/// Returns a cell of a CSV file, quoted if it contains a comma, a quote or a line end (RFC 4180). A text that begins
+/// with =, +, -, @, tab or carriage return and is no number gets a leading apostrophe, so that no spreadsheet runs it.
 std::string csv_cell(std::string_view text);
-/// Writes a line of cells, with its line end.
+/// Returns a CSV line of the cells, with its line end.
 std::string csv_line(const std::vector<std::string>& cells);
 
-/// Writes a column for readers: numbers with at most four digits and a common metric prefix, whole numbers in full, "-"
-/// for absent values.
+/// Returns the cells of a column for display: numbers with at most four digits and a common metric prefix, whole
+/// numbers in full, "-" for absent values.
 std::vector<std::string> shown_cells(const std::vector<Value>& values);
-/// The same for some rows of a column; whole numbers of a figure have at most four digits, too.
+/// Returns the cells of some rows of a column for display. Whole numbers that are measured figures have at most four
+/// digits, too.
 std::vector<std::string> shown_cells(const Column& column, const std::vector<std::size_t>& rows);
-/// Name of the column for readers.
+/// Returns the name of the column for display.
 std::string shown_name(const Column& column);
-/// Writes one number with at most four digits; whole numbers below 10,000 stay whole.
+/// Returns a number as text with at most four digits; whole numbers below 10,000 stay whole.
 std::string number_text(double number);
 
 struct TableOptions {
@@ -124,10 +124,10 @@ struct TableOptions {
   std::optional<std::size_t> limit;  ///< maximum number of rows
   bool csv = false;                  ///< CSV with all digits
 };
-/// Writes a table of the points of a sweep.
+/// Returns a table of the points of a sweep.
 std::string results_table(const Results& results, const TableOptions& options);
 
-/// Writes some rows of some columns under the given names.
+/// Returns the given rows of the given columns as a table or as CSV, headed by `names`.
 std::string table_text(const std::vector<std::string>& names, const std::vector<Column>& columns,
                        const std::vector<std::size_t>& rows, bool csv);
 

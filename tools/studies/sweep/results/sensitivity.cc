@@ -84,7 +84,7 @@ void join_equal_factors(std::vector<Factor>& factors) {
   }
 }
 
-/// True if every combination of levels is there once.
+/// True if there is exactly one point for every combination of levels.
 bool is_full_grid(const std::vector<Factor>& factors, std::size_t points) {
   std::size_t combinations = 1;
   for (const Factor& factor : factors) {
@@ -144,7 +144,7 @@ Factors find_factors(const Results& results, const std::vector<std::size_t>& row
 constexpr const char* kUsualFigures[] = {"totals.cycles", "totals.energy_mj.nominal", "totals.power_w.nominal",
                                          "totals.perf.frames_per_joule_gpu"};
 constexpr int kMostRounds = 1000;
-constexpr double kConverged = 1e-12;  // relative change of a round
+constexpr double kConverged = 1e-12;  // relative change at which the fit has converged
 
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -240,7 +240,7 @@ std::string sensitivity_table(const Sensitivity& s) {
   return out + "\n" + table.text();
 }
 
-/// Returns the selected rows that have a number. InputError if there are none.
+/// Returns the rows that `may` selects and that have a number in the column. InputError if there is no such row.
 std::vector<std::size_t> rows_with_numbers(const Results& results, const Column& column, const std::vector<bool>& may) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < may.size(); ++row) {
@@ -258,8 +258,9 @@ struct VarianceShares {
   double noise = 0;
 };
 
-/// Computes the shares of the axes. Subtracts what chance explains, once for each degree of freedom of an axis: on a
-/// full grid `variance`, the noise of a value; elsewhere at least the residual variance, which contains the noise.
+/// Returns the share of the variance of each axis and of noise. What chance explains is subtracted from an axis once
+/// for each of its degrees of freedom: on a full grid `variance`, the noise variance of a value; otherwise at least the
+/// residual variance.
 VarianceShares shares_of(const Factors& factors, const std::vector<double>& values, double variance) {
   const double total = sum_of_squares(values);
   VarianceShares out{std::vector<double>(factors.list.size()), 0};
@@ -285,7 +286,8 @@ double normal_draw(std::uint64_t draw, std::uint64_t point) {
   return std::sqrt(-2 * std::log(uniform(0))) * std::cos(2 * std::numbers::pi * uniform(1));
 }
 
-/// Parametric bootstrap: the intervals of the shares over sweeps whose values are drawn around the present ones.
+/// Computes 95 % intervals of the shares by parametric bootstrap: from sweeps whose values are drawn around the
+/// measured ones.
 void find_intervals(const Factors& factors, const std::vector<double>& values, const std::vector<double>& variances,
                     std::vector<Effect>& effects) {
   constexpr std::uint64_t kSweeps = 400;

@@ -15,9 +15,9 @@ struct Effect {
   std::vector<std::string> levels;  ///< its values, or groups of neighbouring values
   std::vector<double> means;        ///< mean of the metric at each level
   double range = 0;                 ///< distance of the lowest and highest mean, over the mean of all points
-  double share = 0;                 ///< share of the variance, 0 to 1, without noise
-  double low = 0, high = 0;         ///< 95 % interval of the share
-  std::vector<std::size_t> at;      ///< level of each point
+  double share = 0;             ///< share of the variance that the axis explains, 0 to 1, after subtraction of noise
+  double low = 0, high = 0;     ///< 95 % interval of the share
+  std::vector<std::size_t> at;  ///< level of each point
   std::string interval_text() const;
 };
 
@@ -42,8 +42,8 @@ struct Sensitivity {
 /// 3. Noise of the points is subtracted; intervals are those of a parametric bootstrap.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
 
-/// Writes the sensitivity tables. `metrics` empty: the usual ones. `band`: adds the entries of the energy tables that
-/// decide the ranking.
+/// Returns the sensitivity tables. `metrics`: empty for the usual metrics. `band`: also lists the entries of the energy
+/// tables that decide the ranking.
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
                              const std::vector<std::string>& where, bool band = false);
 

@@ -58,7 +58,7 @@ struct ConditionTerm {
   std::string value;
 };
 
-/// Reads "<= 8 KiB" into comparison and value; without a sign it is =. The value is all the rest, maybe empty.
+/// Splits "<= 8 KiB" into comparison and value. Text without a comparison sign means =. The value may be empty.
 std::pair<Comparison, std::string> parse_comparison(const std::string& text);
 
 /// Reads "power_w.nominal<1 and tni.trv.l1.size>='16 KiB'". InputError with the column where the text is wrong.

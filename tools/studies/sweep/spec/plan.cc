@@ -57,7 +57,7 @@ bool is_known(const Term& term) {
   return !term.right && std::ranges::all_of(term.outcomes, [](const auto& outcome) { return outcome.has_value(); });
 }
 
-/// True if no combination of values is refused.
+/// True if the term can be evaluated for every combination of values.
 bool can_always_compare(const Term& term) {
   if (!term.right) return is_known(term);
   if (!needs_order(term.comparison)) return true;
@@ -66,7 +66,8 @@ bool can_always_compare(const Term& term) {
   return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
 }
 
-/// The known term that holds for the fewest values. Null if no term is known, or if one before it may be refused.
+/// Returns the term that holds for the fewest values, of those whose outcome is known for every value. Null if there is
+/// none, or if an earlier term may throw an InputError.
 const Term* find_rarest_term(const AxisCondition& condition) {
   const Term* best = nullptr;
   std::ptrdiff_t least = 0;
@@ -106,7 +107,7 @@ bool AnyCondition::any_holds(std::span<const std::uint32_t> choice) const {
 
 namespace {
 
-constexpr std::uint64_t kMostDraws = 1U << 20;  // about a second
+constexpr std::uint64_t kMostDraws = 1U << 20;  // draws before giving up; they take about a second
 
 /// Scales a number of 32 bits to the index of one of `values` values; all are equally likely.
 std::uint32_t scale_to_index(std::uint32_t number, std::uint32_t values) {
@@ -183,7 +184,7 @@ std::vector<Choice> choose_combinations(const Subset& subset, std::span<const st
   boost::random::sobol sequence(sizes.size());  // 64 bits a number, axis by axis
   return draw_until(subset.count, is_wanted, [&](std::uint64_t) {
     for (std::size_t a = 0; a < sizes.size(); ++a) {
-      const std::uint64_t shift = sim::hash(subset.seed, a);  // keeps the sequence even
+      const std::uint64_t shift = sim::hash(subset.seed, a);  // a random shift, which keeps the sequence evenly spread
       choice[a] = scale_to_index(static_cast<std::uint32_t>((sequence() ^ shift) >> 32), sizes[a]);
     }
     return choice;
@@ -200,7 +201,8 @@ std::string from_folder(const std::string& text, const fs::path& folder) {
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
-/// The same for a scene. InputError for names that points.jsonl cannot hold.
+/// Makes the name of a scene file absolute, relative to the folder of the spec. InputError for names that points.jsonl
+/// cannot hold.
 std::string scene_from(const std::string& value, const fs::path& folder) {
   std::string scene = from_folder(value, folder);
   if (sim::with_escaped_bytes(scene) == scene) return scene;
@@ -228,7 +230,7 @@ void check_setting(RunConfig base, const std::string& argument) {
   }
 }
 
-/// Throws the InputError of a run for this value alone.
+/// Throws the InputError that a run with only this change to the base configuration would report.
 void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
   if (key == "scene" && !value.empty() && !value.ends_with(".yaml")) check_scene(value);
   if (key == "program") kernels::parse_program(value);
@@ -237,7 +239,7 @@ void check_value(const RunConfig& base, const std::string& key, const std::strin
   if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
 }
 
-/// Calls `call`; adds to its InputError where the file gives the key: in an axis or by itself.
+/// Calls `call`. Adds the position of `key` in the sweep's file to an InputError.
 void at_key(const Spec& spec, const std::string& key, auto&& call) {
   try {
     call();
@@ -294,12 +296,12 @@ void check_slicing(const Spec& spec) {
   });
 }
 
-/// True if the line of the point may be too long; an escaped byte takes six.
+/// True if the line of the point in points.jsonl may be too long. An escaped byte takes six bytes.
 bool may_be_long(const Point& point) {
   std::size_t bytes = point.config.size() + point.scene.size() + point.camera.size() + point.error.size();
   for (const auto& [name, value] : point.axes) bytes += name.size() + value.size();
   for (const std::string& set : point.sets) bytes += set.size();
-  constexpr std::size_t kOthers = 1000;  // ids, names of members, short members
+  constexpr std::size_t kOthers = 1000;  // bytes for ids, member names and short members
   return 6 * bytes + 10 * (point.axes.size() + point.sets.size()) + kOthers > kLongestLine;
 }
 

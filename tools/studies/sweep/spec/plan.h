@@ -10,7 +10,7 @@
 
 namespace tools::sweep {
 
-/// True if the combination meets the condition. InputError if a comparison has no order.
+/// True if the combination meets the condition. InputError if two compared values have no order.
 bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
 /// Tests whether any of many conditions holds. Conditions are indexed by the term that holds for the fewest values, so
@@ -33,7 +33,7 @@ class AnyCondition {
 std::vector<Choice> choose_combinations(const Subset& subset, std::span<const std::uint32_t> sizes,
                                         const std::function<bool(const Choice&)>& is_wanted);
 
-/// Makes the points of a space one by one.
+/// Makes the points of a sweep or a search, one for each combination of axis values.
 class Planner {
  public:
   /// Files that the spec names are relative to `folder`. InputError, with its position in the file, for a value that is
@@ -48,7 +48,7 @@ class Planner {
   /// Makes the point of a combination, with its keys and n = 0. Values that do not go together give a point with an
   /// error.
   Point make_point(const Choice& choice);
-  /// The same with another tile sampling than that of the spec.
+  /// Makes the point of a combination with this tile sampling in place of the spec's.
   Point make_point(const Choice& choice, const std::string& tile_sampling);
 
  private:

@@ -37,9 +37,9 @@ struct Point {
   std::string id;                                         ///< 64 hexadecimal digits: equal ids, equal results
   std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as the sweep's file has them
   std::string config = "sgrt-2016";
-  std::string scene, camera, frames, resolution;             ///< empty: of the configuration
+  std::string scene, camera, frames, resolution;             ///< empty: as in the configuration
   std::string program = "full:1", reference, tile_sampling;  ///< the last two are empty if there is none
-  bool image = false;                                        ///< the picture is kept
+  bool image = false;                                        ///< keep the picture
   std::uint32_t replicates = 1;                              ///< perturbed repetitions
   std::uint32_t slices = 0;                                  ///< slices of each frame; 0: frames are not cut
   std::uint32_t slice = 0;                                   ///< number of this slice, from 1; 0: the whole point
@@ -48,7 +48,7 @@ struct Point {
   std::string stream;  ///< key of the recorded work, shared by points that differ only in the machine; may be empty
   std::string error;   ///< reason that it cannot be computed, if its values do not go together
 
-  /// True if its slices are computed separately.
+  /// True if the slices of this point are computed separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }
   /// Number of pieces that are handed to workers.
   std::uint32_t piece_count() const { return is_cut() ? slices : 1; }
@@ -56,7 +56,7 @@ struct Point {
   JobOptions run_options() const;
 };
 
-/// A member of a point that is a plain text.
+/// A text member of a point, with its key in the files of a sweep and its option of `raywatt run`.
 struct PointText {
   const char* name;    ///< in the files of a sweep
   const char* option;  ///< of `raywatt run`
@@ -79,7 +79,8 @@ Point whole_of(const Point& slice);
 /// Returns the JSON whose hash is the id of a slice.
 sim::Json made_of(const Point& slice);
 
-/// Writes and reads a line of points.jsonl, without its end. InputError that begins with `where`.
+/// Convert a point to a line of points.jsonl and back, without the line end. Errors are InputErrors that begin with
+/// `where`.
 std::string to_line(const Point& point);
 Point read_line(const std::string& line, const std::string& where);
 
@@ -99,10 +100,10 @@ class PointKeys {
   /// Returns the effective configuration, valid until the next call of a member. InputError if its values do not go
   /// together.
   const RunConfig& config_of(const Point& point);
-  /// InputError as config_of().
+  /// Returns id and stream key of a point. Throws InputError like config_of().
   Key key_of(const Point& point);
-  /// Sets id and stream of the point; if its values do not go together, error and an id of the request. InputError for
-  /// a scene file that cannot be read.
+  /// Sets id and stream of the point. If its values do not go together, it sets the error, and an id made from the
+  /// values. InputError for a scene file that cannot be read.
   void set_key(Point& point);
 
  private:

@@ -255,7 +255,7 @@ void check_values(const YamlValue& value, const Axis& axis) {
   if (twice != labels.end()) value.refuse(fmt::format("has '{}' twice", sim::printable(*twice)));
 }
 
-/// True for the name of a column that tables of results have for something else.
+/// True for a name that tables of results already use for another column.
 bool is_column(const std::string& name) {
   constexpr std::array<std::string_view, 4> kOwn = {"n", "id", "status", "error"};
   constexpr std::array<std::string_view, 4> kOfReports = {"totals.", "units.", "frames[", "config."};
@@ -326,7 +326,7 @@ Axis read_workloads(const YamlValue& value) {
   return axis;
 }
 
-/// InputError if two axes move one key or have one name, or if there are too many.
+/// InputError if two axes set the same key or have the same name, or if there are too many axes.
 void check_axes(std::span<const Axis> axes) {
   if (axes.size() > kMostAxes) sim::refuse(axes[kMostAxes].at, "axes", fmt::format("are more than {}", kMostAxes));
   std::map<std::string, std::string> owners, names;

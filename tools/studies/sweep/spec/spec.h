@@ -76,7 +76,8 @@ bool moves_workload(const Axis& axis);
 struct AxisCondition {
   struct Side {
     std::size_t axis = 0;
-    std::optional<std::size_t> key;  ///< one of its keys; none: the label of its value
+    /// Index of the compared key of the axis; none: the label of the axis value is compared.
+    std::optional<std::size_t> key;
   };
   using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< all values of an axis
   struct Term {
@@ -86,11 +87,12 @@ struct AxisCondition {
     std::optional<Side> right;    ///< another axis
     std::string at;
     Operands lefts, rights;
-    std::vector<std::optional<bool>> outcomes{};  ///< outcome_of() each left value with `values`
+    std::vector<std::optional<bool>> outcomes{};  ///< outcome_of() for each left value, compared with `values`
   };
   std::vector<Term> terms;
 };
-/// True if the comparison of a term holds with one of `rights`; nothing if one before that has no order with `left`.
+/// True if `left` compares as the term requires with at least one of `rights`. Nothing if an earlier one cannot be
+/// ordered relative to `left`.
 std::optional<bool> outcome_of(const AxisCondition::Term& term, const Operand& left, std::span<const Operand> rights);
 
 inline constexpr std::uint64_t kMostPoints = 1'000'000;

@@ -154,7 +154,7 @@ void Store::put_result(const std::string& id, const Json& made_of,
     std::error_code error;
     fs::rename(temporary.path(), result, error);
     const bool was_there = error == std::errc::directory_not_empty || error == std::errc::file_exists;
-    if (error && !was_there) fail(error);  // a result that is there already is equal
+    if (error && !was_there) fail(error);  // an existing result has the same content
     sim::sync_to_disk(result.parent_path());
     sim::sync_to_disk(root_ / "points");
   } catch (const std::system_error& error) {
@@ -233,7 +233,7 @@ namespace {
 constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
-/// Files that are made from the results of the points.
+/// Output files that are computed from the results of the points.
 constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
 
 /// True for a temporary file that a killed run has left.

@@ -45,7 +45,8 @@ class Store {
   std::filesystem::path failure_file(const std::string& id) const;
   std::filesystem::path stream_file(const std::string& key) const { return root_ / "streams" / (key + ".trace"); }
 
-  /// Status of a point: done, damaged, failed or missing. Reads all files of a result; a result overrides a failure.
+  /// Returns the status of a point: done, damaged, failed or missing. Reads all files of a result; a result overrides a
+  /// failure.
   PointStatus status_of(const std::string& id) const;
   bool is_done(const std::string& id) const { return status_of(id) == PointStatus::kDone; }
   /// Bytes of report.json; nothing unless they match their digest.
