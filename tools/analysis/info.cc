@@ -31,7 +31,7 @@ Json cameras_json(const traces::Scene& scene) {
   return list;
 }
 
-/// Returns the size of a tree in each format.
+/// Returns the bytes of a BVH of this many nodes in each node format.
 Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   using traces::BoxNumbers, traces::BoxRecords;
   Json formats;
@@ -46,7 +46,7 @@ Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   return formats;
 }
 
-/// Returns the sizes of its parts; padding counts as textures.
+/// Returns the sizes of the parts of a memory image in bytes; padding counts as textures.
 Json memory_json(const traces::MemoryImage& image) {
   Json parts = {{"nodes", image.node_array_bytes()},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
@@ -88,7 +88,8 @@ std::string animation_text(const Json& animation) {
                      count_text(animation["moving_instances"].get<std::uint64_t>(), "instance"));
 }
 
-/// Shows memory per triangle only if triangles dominate the program's own memory.
+/// Formats host time and memory of loading. Memory per triangle is shown only if triangles take more memory than the
+/// program itself.
 std::string host_text(const Json& host, std::uint64_t triangles) {
   constexpr std::uint64_t kTrianglesThatTell = 10'000;
   std::string text = fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}", host["load_s"].get<double>(),

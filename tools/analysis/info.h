@@ -14,18 +14,18 @@ namespace tools {
 struct SceneCost {
   double load_s = 0, build_s = 0;
   std::uint64_t file_bytes = 0;  ///< 0 for a built-in scene
-  std::uint64_t peak_bytes = 0;  ///< peak memory in addition to that before loading
+  std::uint64_t peak_bytes = 0;  ///< peak memory above the level before loading
 };
 
-/// Returns the description of a scene, schema raywatt-scene/1. All except `host` depends only on the scene.
+/// Returns the description of a scene, schema raywatt-scene/1. All members except `host` depend only on the scene.
 sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost);
 
-/// Formats the description; `cameras`: with the position of each camera.
+/// Formats the description of a scene; `cameras`: also print the position of each camera.
 std::string scene_info_text(const sim::Json& info, bool cameras);
 
 /// Returns the contents of a trace, schema raywatt-trace-info/1. InputError if the trace is damaged.
 sim::Json trace_info(const traces::TraceReader& trace);
-/// Formats the contents for a terminal, without the keys.
+/// Formats the contents of a trace for a terminal, without configuration keys.
 std::string trace_info_text(const sim::Json& info);
 
 }  // namespace tools

@@ -56,7 +56,7 @@ using Colour = std::array<std::uint8_t, 3>;
 using kernels::SampleMark;
 
 constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
-constexpr int kDarkened = 4;  // divisor of brightness under the marks
+constexpr int kDarkened = 4;  // divisor of the brightness of the picture below the marks
 
 struct Canvas {
   const RenderResult& frame;
@@ -77,12 +77,12 @@ struct Canvas {
     return picture;
   }
 
-  /// Returns the pixel of a sample.
+  /// Returns the pixel of `picture` that contains a sample.
   const std::uint8_t* pixel_at(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
-  /// Paints samples with `bit` white over the darkened picture.
+  /// Paints samples whose mark has `bit` white over the darkened picture.
   DebugPicture marked_picture(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
@@ -94,7 +94,7 @@ struct Canvas {
   }
 };
 
-/// Colours samples by their origin.
+/// Colours samples by their origin: interpolated, traced, post-correction or reference.
 DebugPicture similar_picture(const Canvas& canvas) {
   return canvas.paint_samples("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
     if ((mark & kernels::kReferenceMark) != 0) return kGrey;
@@ -113,7 +113,7 @@ DebugPicture interpolated_picture(const Canvas& canvas) {
   });
 }
 
-/// Colours tiles, by rows; tiles at the right and lower edges may be smaller.
+/// Colours each tile by its sampling rate. Tiles at the right and lower edges may be smaller.
 DebugPicture rates_picture(const Canvas& canvas) {
   const kernels::Sampling& s = canvas.frame.sampling;
   const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
@@ -126,7 +126,8 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// Remaining weights of the filter: white if all samples count, black if only the pixel's own do.
+/// Shows the remaining weights of the reconstruction filter: white if all samples count, black if only the pixel's own
+/// samples do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
@@ -134,7 +135,7 @@ DebugPicture weights_picture(const Canvas& canvas) {
   });
 }
 
-/// Adds a picture for each kind of edge that occurs.
+/// Adds a picture for each kind of filter edge that occurs in the frame.
 void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
   constexpr auto kNames = names_of(kernels::FilterEdge{});
   SampleMark all = 0;
@@ -155,7 +156,7 @@ void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::
   }
 }
 
-/// Colours for 0 to 8 or more.
+/// Colours of counts: 0 to 7, then 8 or more.
 constexpr std::array<Colour, 9> kHeat{{{0, 0, 0},
                                        {20, 40, 200},
                                        {0, 130, 200},

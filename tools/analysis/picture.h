@@ -31,15 +31,15 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b);
 /// Returns the peak signal-to-noise ratio in dB, peak 1; nullopt for identical pictures.
 std::optional<double> psnr_db(double mean_squared_error);
 
-/// Debug picture of an adaptive frame: 8-bit RGB, one pixel per sample.
+/// Debug picture of a frame with adaptive sampling: 8-bit RGB, one pixel per sample.
 struct DebugPicture {
   std::string name;
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
 
-/// Returns the debug pictures of a frame with marks; none for programs without marks. Failed checks are white over the
-/// darkened picture.
+/// Returns the debug pictures of a frame whose samples have marks; none for programs without marks. Samples with a
+/// failed check are white over the darkened picture.
 ///   multirate, undersample: `similar` (yellow: interpolated, blue: traced, green: post-correction, grey: references),
 ///   `interpolated` (interpolated samples, others black), `check-NAME` (samples that failed the check); with rate
 ///   control `rates` (tiles: dark for blocks of 2, bright for 4; greener for more similar samples) supersample:

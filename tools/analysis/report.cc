@@ -47,7 +47,7 @@ struct Named {
   KernelGroup group;
 };
 
-/// All other kernels trace and shade.
+/// Groups of kernels by the prefix of their name. Kernels without an entry trace and shade.
 constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
                              {"test_subpixels", KernelGroup::kCheck},
                              {"list_contrasts", KernelGroup::kCheck},
@@ -67,7 +67,8 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
-/// Returns the share of a kernel's cycles in a group: 0 or 1; for a fused kernel by the operations of its parts.
+/// Returns the share of a kernel's cycles that belong to a group: 0 or 1, or for a fused kernel the share of its
+/// operations in parts of this group.
 double part_of(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
@@ -174,7 +175,7 @@ std::string path_of(const std::string& pointer) {
   return path;
 }
 
-/// Returns "6.764 ± 0.12 %".
+/// Returns the mean and half-width of a metric of the replicates: "6.764 ± 0.12 %".
 std::string give_or_take(const Json& metrics, const char* path) {
   const Json& f = metrics.at(pointer_to(path));
   const double mean = f["mean"].get<double>();
@@ -284,7 +285,7 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
 
 namespace {
 
-/// Divides the statistics of replicates by an area.
+/// Divides all numbers of the statistics of replicates by an area in mm2.
 sim::Json per_mm2(sim::Json statistics, double mm2) {
   for (auto& [name, number] : statistics.items()) {
     if (!number.is_array()) {
@@ -325,7 +326,8 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
   replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
 }
 
-/// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
+/// Ratio of simulated to requested tiles above which a warning is given. Chosen: a small excess is normal, because
+/// blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
 double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
@@ -376,13 +378,13 @@ Json interval_json(const Interval& i, double scale = 1) {
 void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(run);  // exact
+  time["estimate"] = time_ms(run);  // the elapsed time is exact
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);
 }
 
-/// Returns counts of sampled tiles, and 95 % intervals.
+/// Returns totals.sampled of a report: counts of sampled tiles, and 95 % intervals of estimates.
 Json sampled_json(const FrameResult& run) {
   const SampledFrame& sampled = *run.sampled;
   Json out = {{"tiles", sampled.tiles},   {"asked", sampled.asked == 0 ? Json("auto") : Json(sampled.asked)},
@@ -393,7 +395,7 @@ Json sampled_json(const FrameResult& run) {
   return out;
 }
 
-/// Returns counts of slices, and 95 % intervals if there are several.
+/// Returns totals.sliced of a report: counts of slices, and 95 % intervals of estimates if there are several slices.
 Json sliced_json(const FrameResult& run) {
   const SlicedFrame& sliced = *run.sliced;
   Json out = {{"slices", sliced.slices}, {"tiles", sliced.tiles}, {"again", sliced.again}, {"warmed", sliced.warmed}};

@@ -16,14 +16,14 @@
 
 namespace tools {
 
-/// One or all frames of a run, with the reference, if any.
+/// The result of one frame or of all frames of a run, with the reference's result, if any.
 struct ComparedResult {
   const FrameResult& run;
   const FrameResult* reference = nullptr;
-  double squared_error = 0;  ///< mean over the channels of the pictures, with a reference
+  double squared_error = 0;  ///< mean squared difference of the channels of run and reference pictures
 };
 
-/// Returns a frame (`frames[]`) or all frames (`totals`) as in report.json.
+/// Returns the JSON of one frame (an entry of `frames`) or of all frames (`totals`) of report.json.
 sim::Json totals_json(const ComparedResult& result);
 
 struct ReportInput {
@@ -48,7 +48,7 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns the share of similar samples among those checked and the block side, for each tile, by rows.
+/// Returns for each tile, row by row, the share of checked samples that were similar, and the side of its blocks.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
 /// Amount of work that energy is divided by.
@@ -56,8 +56,8 @@ struct WorkDone {
   double time_ms = 0, rays = 0, frames = 0;
 };
 
-/// Returns the totals that follow from energy: energy_mj and its parts, power_w, and perf.nj_per_ray,
-/// frames_per_joule_gpu and frames_per_joule_tni.
+/// Returns the members of `totals` that are computed from energy: energy_mj and its parts, power_w, perf.nj_per_ray,
+/// perf.frames_per_joule_gpu and perf.frames_per_joule_tni.
 sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work);
 
 /// Returns the warnings of report.json from the run itself: table_warnings(), and sampling that simulated more than
@@ -68,7 +68,8 @@ std::vector<std::string> run_warnings(const RunConfig& config, std::span<const s
 /// Purposes of kernels whose time papers report separately. Checks include the compaction of results into streams.
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
-/// Returns the share of the shader cores' busy cycles; nullopt if they were never busy.
+/// Returns the share of the shader cores' busy cycles that kernels of a group take; nullopt if the cores were never
+/// busy.
 std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
 
 /// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
@@ -76,18 +77,18 @@ std::optional<double> starved_share(const FrameResult& run);
 
 /// Returns mean, deviation and 95 % interval of a metric from its values in all simulations.
 sim::Json statistics_json(const std::vector<double>& values);
-/// Formats the statistics as one line, and as a table of the main metrics.
+/// Format the statistics of replicates as one line, or as a table of the main metrics.
 std::string replicates_text(const sim::Json& replicates);
 std::string replicates_table(const sim::Json& replicates);
 
 /// Difference of a metric between two reports, with its noise.
 struct NoisyDifference {
-  double relative = 0;    ///< relative difference of b's value or mean to a's
+  double relative = 0;    ///< (b - a) / a, of values or of means of replicates
   double half_width = 0;  ///< half-width of its 95 % interval, relative to a
   bool measured = false;  ///< true if both have replicates
-  bool outside = false;   ///< larger than noise explains
+  bool outside = false;   ///< true if the difference is larger than noise explains
 };
-/// Returns nullopt for metrics that have no noise or are 0.
+/// Returns the difference of a metric between two reports; nullopt for metrics that have no noise or are 0.
 std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& metric);
 
 }  // namespace tools

@@ -21,7 +21,7 @@ using sim::Json;
 
 namespace {
 
-/// Describes the schema of a JSON value, for errors.
+/// Returns a description of the `schema` member of a JSON value, for error messages.
 std::string schema_of(const Json& json) {
   if (!json.is_object() || !json.contains("schema")) return "no 'schema'";
   const Json& schema = json["schema"];
@@ -30,7 +30,7 @@ std::string schema_of(const Json& json) {
 
 constexpr int kDeepest = 32;
 
-/// Values with a band are not split.
+/// Adds all values below a node, by full key. A value with a band (low, nominal, high) stays one value.
 void flatten_config(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
     out[sim::printable(key)] = sim::printable(sim::json_line(node));
@@ -86,7 +86,7 @@ ReportFile parse_report(const std::string& bytes, const std::filesystem::path& f
     report.json = sim::parse_json(bytes);
   } catch (const sim::JsonError& error) {
     throw refuse(fmt::format("is not JSON: {}", error.what()));
-  } catch (const sim::InputError& error) {  // the message already names what is allowed
+  } catch (const sim::InputError& error) {  // the message already states what is allowed
     throw sim::InputError(fmt::format("{}: {}", report.file.string(), error.what()));
   }
   if (schema_of(report.json) != "schema 'raywatt-report/1'") throw refuse("has " + schema_of(report.json));
@@ -132,7 +132,7 @@ std::string kind_of(const std::string& name, const Json& siblings) {
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
 }
 
-/// Sums the numbers of similar units in the tree of units.
+/// Sums the numbers of all units of the same kind, in the JSON tree of units.
 class Sums {
  public:
   void add(const Json& node, const std::string& kind, int depth) {
@@ -185,12 +185,13 @@ constexpr std::size_t kMostShown = 8;
                   shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
 }
 
-/// What a text denotes among paths: one path, a group, several paths, or nothing.
+/// The report paths that a text can denote: one path, a group of paths, several ambiguous paths, or none.
 struct Meanings {
   Meanings(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
     const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
-    std::array<std::vector<std::string>, 3> ends;  // in totals, elsewhere, in frames: in order of precedence
+    // matching paths in order of precedence: in `totals`, elsewhere, in `frames`
+    std::array<std::vector<std::string>, 3> ends;
     std::vector<std::string> below;
     for (const std::string& path : paths) {
       if (path == text || (path == in_totals && one.empty())) one = path;
@@ -295,7 +296,7 @@ std::vector<std::string> report_path_group(std::string_view text, std::span<cons
   if (!m.one.empty()) return {m.one};
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   if (text != "units") return m.group;
-  // Sums have a `units` entry; other paths belong to single units of several.
+  // Only the path of a sum over units has a `units` entry; paths without one belong to a single unit.
   const std::set<std::string> known(paths.begin(), paths.end());
   std::erase_if(m.group, [&](const std::string& path) {
     const std::size_t end = std::min(path.find(".why."), path.find(".counters."));

@@ -23,24 +23,24 @@ struct ReportFile {
   sim::Json json;
   std::map<std::string, double> numbers;  ///< report_numbers() by path
 
-  /// Returns 0 if the report lacks the number.
+  /// Returns the number at a path; 0 if the report lacks it.
   double number(const std::string& path) const;
   bool has(const std::string& path) const { return numbers.contains(path); }
-  /// Returns a text by group and key, e.g. "provenance", "model_id"; empty if absent.
+  /// Returns a text of the report by group and key, e.g. "provenance", "model_id"; empty if absent.
   std::string text(const std::string& group, const std::string& key) const;
   /// True for the report of a reference; the tables of tiles and pixels in its folder belong to the run.
   bool is_reference() const { return file.filename() == kReferenceReport; }
-  /// Returns the picture next to the report. `type`: "png" or "exr".
+  /// Returns the path of the picture next to the report. `type`: "png" or "exr".
   std::filesystem::path picture(const char* type) const;
 };
 
 /// Reads the report of a run from a file or folder. InputError if there is none, it is not JSON, or its schema is not
 /// raywatt-report/1.
 ReportFile load_report(const std::filesystem::path& file_or_folder);
-/// The same for bytes that are already read.
+/// Parses the bytes of a report. `file`: its path, for errors. Throws InputError like load_report().
 ReportFile parse_report(const std::string& bytes, const std::filesystem::path& file);
 
-/// A configuration from report.json by key: "tni.trv.l1.size" -> "16 KiB".
+/// The configuration in a report.json: value by full key, e.g. "tni.trv.l1.size" -> "16 KiB".
 using FlatConfig = std::map<std::string, std::string>;
 FlatConfig flat_config(const sim::Json& config);
 
@@ -64,8 +64,8 @@ bool is_total(std::string_view path);
 std::string metric_name(std::string_view path);
 
 /// Returns the path that `text` denotes: itself, "totals." plus itself, or the only path that ends in it at a dot.
-/// Totals take precedence over units and others, these over single frames. A group that is a band denotes its nominal
-/// value: "power_w". InputError with candidates if ambiguous, if a group, or if nothing matches.
+/// Paths in `totals` take precedence over all others, and paths in `frames` come last. A group that is a band denotes
+/// its nominal value: "power_w". InputError with candidates if ambiguous, if a group, or if nothing matches.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 
 /// Returns all paths that `text` denotes: one path, or all paths of a group; "units" denotes unit_sums(). Empty if

@@ -27,7 +27,7 @@ std::string band_text(const Json& s, double scale, const char* unit) {
                      s["high"].get<double>() * scale, unit);
 }
 
-/// Formats the samples of an adaptive program.
+/// Formats the counts of samples of a program with adaptive sampling.
 std::string samples_text(const Json& totals) {
   const Json& s = totals["sampling"];
   std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
@@ -40,7 +40,7 @@ std::string samples_text(const Json& totals) {
   return out;
 }
 
-/// Formats the first reasons for tracing samples as shares of the traced ones, largest first.
+/// Formats the most frequent reasons for tracing samples, as shares of all traced samples.
 std::string tracing_reasons(const Json& s) {
   constexpr std::uint64_t kOfSubpixel = 4;  // samples per sub-pixel
   std::vector<std::pair<std::uint64_t, std::string>> reasons;
@@ -66,7 +66,7 @@ std::string tracing_reasons(const Json& s) {
   return out;
 }
 
-/// Formats the half-width of a 95 % interval, for estimated metrics.
+/// Formats the half-width of a metric's 95 % interval; empty if the metric is not estimated.
 std::string half_interval(const Json& totals, const char* metric) {
   const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
   if (!totals.contains(by) || !totals[by].contains(metric)) return "";
@@ -108,7 +108,8 @@ std::string dram_traffic(const Json& totals) {
   return out + ")";
 }
 
-/// Empty for a frame without rays, where the rasteriser finds all visible surfaces.
+/// Formats the traversal steps per ray; empty for a frame without rays, in which the rasteriser finds all visible
+/// surfaces.
 std::string steps_per_ray(const Json& totals) {
   const auto rays = totals["rays"]["total"].get<double>();
   return rays > 0 ? fmt::format("  = {:.1f} per ray", totals["traversal_steps"].get<double>() / rays) : "";
@@ -138,7 +139,8 @@ std::string sustained_text(const Json& totals) {
                      s["hottest_body_c"].get<double>());
 }
 
-/// For a run with fewer traversal steps that is slower than its reference: the part that grew most; else empty.
+/// Explains why a run with fewer traversal steps than its reference is slower: names the part of a core's time that
+/// grew most. Empty for other runs.
 std::string slower_because(const Json& t) {
   const Json &relative = t["relative"], &reference = t["reference"];
   const double steps = relative["traversal_steps"].get<double>();

@@ -46,13 +46,13 @@ struct MemoryLatencies {
   double l2 = 0;            ///< from the arrival of a read to the departure of its line
   double dram = 0;          ///< part of `l2` that waits for memory
   double blocked_bank = 0;  ///< part of `l2` that waits for an MSHR or for room on the way to memory
-  double port_blocked = 0;  ///< share of the queues before the L2 with that cause, 0 to 1
+  double port_blocked = 0;  ///< share of the queues in front of the L2 that wait for an MSHR or for memory, 0 to 1
   double wires = 0;         ///< latency of a request and its line between core and L2, without queues
-  double ideal_wires = 0;   ///< the same with an ideal interconnect
+  double ideal_wires = 0;   ///< latency of a request and its line with an ideal interconnect, without queues
 };
 
-/// Latency between a core and the L2 without queues, in L2 cycles: one in the port, the distance both ways, the line on
-/// the wires.
+/// Returns the latency between a core and the L2 without queues, in L2 cycles: one in the port, the distance both ways,
+/// and the line's time on the wires.
 double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.0 * distance + line; }
 
 MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::GpuConfig& config) {
@@ -81,7 +81,8 @@ MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing,
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
   const double interconnect = latency - dram - l2;
-  const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);  // queues on the way up
+  // time in queues on the way from L2 to core
+  const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);
   const double wires = std::min(interconnect - queues, b.wires - b.ideal_wires + line_wait);
   return {.interconnect = interconnect / latency,
           .l2 = l2 / latency,
@@ -116,14 +117,14 @@ double misses_under_way(const Units<Unit>& units) {
   return safe_ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
-/// Returns the mean number of waiting rays; several may wait for one line.
+/// Returns the mean number of rays that wait for a line; several may wait for the same line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
   return misses_under_way(units) *
          safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
-/// Adds the shares of the DMA and of spilled ray slots in memory traffic.
+/// Sets the demands that are shares of memory traffic: of the DMA, and of spilled ray slots.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
                  const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
@@ -165,7 +166,8 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   return safe_ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
 }
 
-/// Returns the time of all visits at the rate while every ray slot was taken; at the overall rate if that was rare.
+/// Returns the time for all node visits at the rate reached while every ray slot was in use, or at the overall rate if
+/// all slots were rarely in use.
 double tracing_demand(const Trvs& trvs) {
   const double occupied = 1 - trvs.share(OfTrv::kStarved),
                full = safe_ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
@@ -173,8 +175,8 @@ double tracing_demand(const Trvs& trvs) {
   return std::min(occupied, full * safe_ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
-/// Moves time without rays to the rasteriser, up to its busy time, in proportion to its activity over the frame. An
-/// approximation: launches mostly wait for the rasteriser then.
+/// Reassigns time without rays from `transfers` to the rasteriser, up to its busy time. Approximation: in this time
+/// launches mostly wait for the rasteriser.
 void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLatencies& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
   if (busy == 0) return;
@@ -188,7 +190,7 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLa
 
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
-  constexpr double kIdealRays = 64;  // per TRV (hw::IdealConfig)
+  constexpr double kIdealRays = 64;  // rays per TRV that wait at once in an ideal unit (hw::IdealConfig)
   const std::string core = hw::name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
@@ -228,7 +230,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait =
       l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // ns: one cache cycle for the lookup, plus the synchronisers of both directions if the clocks differ.
+  // Time in ns for one cache cycle of lookup, plus the synchronisers of both directions if the clocks differ.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels =
       split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
@@ -293,7 +295,7 @@ sim::Json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
-/// Returns a share, or the sum of its levels.
+/// Returns a share of time; if the JSON splits it by level, the sum of the levels.
 double sum_of_levels(const sim::Json& share) {
   double all = 0;
   for (const sim::Json& part : share) all += part.get<double>();
@@ -389,22 +391,22 @@ namespace {
 
 /// Mean share of a cache's MSHRs in use while it only waits for misses.
 constexpr double kRegistersInUse = 2.0 / 3;
-/// Reachable share of the data bus.
+/// Largest share of time in which a data bus can transfer data.
 constexpr double kBusAtBest = 0.9;
 /// Share of a channel's other busy time, such as row commands, that cannot overlap with data of other requests.
 constexpr double kBusyWeight = 1.0 / 3;
-/// Reachable share of a port's wires, given bursts of requests.
+/// Largest share of time in which the wires of a port can be in use, because requests come in bursts.
 constexpr double kPortAtBest = 0.7;
-/// Reachable share of test cycles of a T&I unit, given bursts of rays.
+/// Largest share of cycles in which a T&I unit can do tests, because rays come in bursts.
 constexpr double kTestsAtBest = 0.85;
 /// Fraction of the ideal gain from more ray slots that is realised.
 constexpr double kSlotsGain = 0.6;
-constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
+constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // parameters of never_full()
 
-/// Times of a core's stages, each on its own.
+/// Times of a core's three stages if each worked alone: shader core, T&I unit, DMA with spills.
 using Stages = std::array<double, 3>;
 
-/// Returns the time of all stages together.
+/// Returns the time of all stages together, overlapped with exponent `p` (estimate_speedups()).
 double combined_time(const Stages& stages, double p) {
   const double longest = std::ranges::max(stages);
   if (longest <= 0) return 0;
@@ -413,7 +415,7 @@ double combined_time(const Stages& stages, double p) {
   return longest * std::pow(sum, 1 / p);
 }
 
-/// Returns the overlap exponent p: together(stages, p) = time.
+/// Returns the overlap exponent p for which combined_time(stages, p) = time.
 double overlap_exponent(const Stages& stages, double time) {
   if (combined_time(stages, 1) <= time) return 1;
   double low = 1, high = 40;
@@ -424,15 +426,15 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Returns the fraction of the T&I unit's non-full time that ideal shader cores leave. The ends of tiles always remain;
-/// all remains if launches wait for ray slots while the unit has room.
+/// Returns the fraction of the time with free ray slots in the T&I unit that remains with ideal shader cores. The ends
+/// of tiles always remain; all of it remains if launches wait for ray slots while the unit has free ones.
 double never_full(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
-/// Returns the queue length at a memory without the fraction `gone` of its traffic, relative to the length with it.
-/// Queue length is r / (1 - r) at utilisation r.
+/// Returns the queue length of a memory after the fraction `gone` of its traffic is removed, relative to the length
+/// before. Queue length is r / (1 - r) at utilisation r.
 double queue_left(double busy, double gone) {
   constexpr double kMostBusy = 0.95;  // a finite frame has finite queues
   if (busy <= 0) return 1;
@@ -446,13 +448,13 @@ struct Least {
 };
 Least least_times(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
-          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // half of the free MSHRs could be used as well
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: half of the free MSHRs could also be used
           .wires = d.port_lines / kPortAtBest,
           .tests = d.tests / kTestsAtBest};
 }
 
-/// Returns the stages if every ray slot fits: shorter memory queues, a less blocked L2. `tree`: miss time of the T&I
-/// unit.
+/// Returns the stage times without spilled ray slots, which shortens memory queues and unblocks the L2. `tree`: miss
+/// time of the T&I unit.
 Stages without_spills(const CoreTime& t, double tree) {
   const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
   const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
@@ -488,7 +490,8 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
   const double all = std::max({least.memory, least.lines, least.wires});
 
-  // Combined stages, and the rasteriser's miss time, without a part of the miss latencies.
+  // Returns the combined time of the stages and of the rasteriser's misses after a part of the miss latencies is
+  // removed.
   using Part = double (*)(const MissLevels&);
   const auto without = [&](Part part, double spills) {
     return combined_time(
@@ -500,7 +503,7 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked_share(); };
   const Part of_wires = [](const MissLevels& m) { return m.wires; };
 
-  const double moving = std::min(spilling, d.spill_lines);  // spilled slots with an ideal memory
+  const double moving = std::min(spilling, d.spill_lines);  // time to move spilled slots with an ideal memory
 
   const Stages fitting = without_spills(t, tree);
   const double fitting_time = combined_time(fitting, p);
@@ -525,7 +528,7 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   };
   std::vector<Estimate> estimates;
   for (const Rest& rest : rests) {
-    // Cores that wait for the last tiles of others wait in proportion to tile times.
+    // Time in which cores wait for the last tiles of other cores is proportional to tile times.
     const double busy = std::min(rest.stages, time) + rest.transfers + t.raster + rest.raster_misses;
     const double total = t.no_tile < 1 ? std::max(busy / (1 - t.no_tile), rest.least_time) : 1;
     estimates.push_back({rest.resource, total > 0 && total < 1 ? 1 / total : 1});

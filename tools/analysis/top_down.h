@@ -17,16 +17,17 @@ namespace tools {
 struct MissLevels {
   double interconnect = 0;  ///< ports, wires, and queues before them
   double l2 = 0;            ///< queues and lookups of the L2
-  double dram = 0;          ///< from the L2 miss to its fill: controller, device and fabric
+  double dram = 0;          ///< time from an L2 miss to its fill: controller, device and fabric
   // Parts of the first two:
-  double wires = 0;            ///< of `interconnect`: saved with one cycle each way and room for everything
-  double blocked_request = 0;  ///< of `interconnect`: queues before an L2 that waits for memory
-  double blocked_bank = 0;     ///< of `l2`: queues inside that wait for memory
-  /// Queue time that an ideal memory or an ideal L2 would remove.
+  /// Part of `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
+  double wires = 0;
+  double blocked_request = 0;  ///< part of `interconnect`: queues in front of an L2 that waits for memory
+  double blocked_bank = 0;     ///< part of `l2`: queues inside the L2 that wait for memory
+  /// Returns the share of time in queues that an ideal memory or an ideal L2 would remove.
   double blocked_share() const { return blocked_request + blocked_bank; }
 };
 
-/// Time of a core by cause, from the view of its shader core. Each cycle has one cause; shares of elapsed time.
+/// Shares of a core's elapsed time by cause, as seen by its shader core. Each cycle has exactly one cause.
 ///
 ///   array busy: kernels | switches | banks          array stalled: data_misses
 ///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
@@ -41,36 +42,38 @@ struct CoreTime {
   double tree_misses = 0;  ///< rays wait for node or triangle lines
   double raster = 0, raster_misses = 0;
   double transfers = 0, no_tile = 0;
-  /// Time that parts of the core would need alone, as shares of the same time; they overlap.
+  /// Times that parts of the core would need if they worked alone, as shares of the elapsed time. They can overlap.
   struct Demands {
-    double no_slots = 0;     ///< launches waited for ray slots of the tile buffer
-    double fed = 0;          ///< the T&I unit had rays
-    double occupied = 0;     ///< mean over TRVs of the time with rays inside
-    double tree_lines = 0;   ///< lower bound for the T&I unit's misses with all MSHRs in use
-    double tree_waits = 0;   ///< lower bound for its rays' waits for lines with 64 rays waiting concurrently
-    double tests = 0;        ///< lower bound for its box or triangle tests, whichever is longer
-    double data_lines = 0;   ///< lower bound for data cache misses
-    double l2_lines = 0;     ///< lower bound for L2 misses
-    double port_lines = 0;   ///< lines were on the wires of a core's cache port
-    double dram_bus = 0;     ///< data were on the channels' buses
-    double dram_busy = 0;    ///< channels were neither idle nor only waiting for their last data
+    double no_slots = 0;    ///< time in which launches wait for ray slots of the tile buffer
+    double fed = 0;         ///< time in which the T&I unit has rays
+    double occupied = 0;    ///< mean over TRVs of the time with rays inside
+    double tree_lines = 0;  ///< lower bound of the time for the T&I unit's misses, with all MSHRs in use
+    /// Lower bound of the time that the T&I unit's rays wait for lines, with 64 rays waiting at once.
+    double tree_waits = 0;
+    /// Lower bound of the time for the T&I unit's box tests or triangle tests, whichever is longer.
+    double tests = 0;
+    double data_lines = 0;   ///< lower bound of the time for data cache misses
+    double l2_lines = 0;     ///< lower bound of the time for L2 misses
+    double port_lines = 0;   ///< time with lines on the wires of the core's cache port
+    double dram_bus = 0;     ///< time with data on the buses of the DRAM channels
+    double dram_busy = 0;    ///< time in which DRAM channels are neither idle nor only waiting for their last data
     double dram_queue = 0;   ///< share of the L2's miss latency that an idle memory would not need
     double transfers = 0;    ///< share of memory traffic by the DMA
     double spills = 0;       ///< share of memory traffic by spilled ray slots
-    double spilling = 0;     ///< the DMA moved spilled ray slots
-    double spill_lines = 0;  ///< lower bound for spills: their lines were on the wires of the DMA's port
+    double spilling = 0;     ///< time in which the DMA moves spilled ray slots
+    double spill_lines = 0;  ///< lower bound of the time for spills: their lines are on the wires of the DMA's port
     double tracing = 0;      ///< time of the T&I unit at its rate with all ray slots in use
     double records = 0;      ///< share of L2 requests that carry rays and hits through memory
   };
   Demands demands{};
-  /// Miss latency of its caches by level.
+  /// Miss latencies of the core's caches by level of memory.
   MissLevels data_levels{}, tree_levels{}, raster_levels{};
 
   double busy_share() const { return kernels + switches + banks; }
   double tracing_share() const { return boxes + triangles + pipes + tree_misses; }
 };
 
-/// All cores in order, and their mean.
+/// Times of all cores in order, and their mean.
 struct TopDown {
   std::vector<CoreTime> cores;
   CoreTime gpu;
@@ -81,26 +84,27 @@ double data_bus_share(std::span<const sim::UnitReport> units);
 TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
 sim::Json time_json(const CoreTime& time);
-/// Returns {gpu, cores[]}, each as time_json().
+/// Returns {gpu, cores[]} as JSON; each entry is a result of time_json().
 sim::Json top_down_json(const TopDown& view);
-/// Returns words for a path in time_json(): "tree misses: DRAM" for "tree_misses.dram".
+/// Returns the description of a path in time_json(): "tree misses: DRAM" for "tree_misses.dram".
 std::string part_words(const std::string& path);
-/// Formats time_json() as one line, largest first: "kernels 44 %, data-cache misses 30 % (DRAM 22 %, ...), ...".
+/// Formats a result of time_json() as one line, largest share first: "kernels 44 %, data-cache misses 30 % (DRAM 22 %,
+/// ...), ...".
 std::string top_down_text(const sim::Json& time);
 
-/// time_json() of a run, and its cycles.
+/// A core's time by cause (time_json()) in one run, and the run's cycles.
 struct TimeInCycles {
   const sim::Json& time;
   double cycles = 0;
 };
 struct GrownPart {
-  std::string name;   ///< as named in top_down_text()
-  double cycles = 0;  ///< mean over the cores
+  std::string name;   ///< name of the part, as in top_down_text()
+  double cycles = 0;  ///< growth in cycles, mean over the cores
 };
-/// Returns the part whose cycles grew most from `before` to `after`; empty if none grew.
+/// Returns the part of a core's time whose cycles grew most from `before` to `after`; empty if none grew.
 GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after);
 
-/// Shares of time, 0 to 1.
+/// Utilisation of the main parts of the machine, as shares of time from 0 to 1.
 struct Utilisation {
   double tni = 0;   ///< cycles in which a TRV issues a node to its box pipe, over all TRVs
   double srp = 0;   ///< cycles in which a kernel runs or is switched in
@@ -114,7 +118,7 @@ struct Estimate {
   double speedup = 1;
 };
 
-/// Estimates the speed-up by each resource from the counters of one run.
+/// Estimates, for each resource, the speed-up of a frame if that resource were ideal, from the counters of one run.
 ///
 /// A core is modelled as three concurrent stages: the shader core (kernels and data cache stalls), the T&I unit (rays
 /// inside) and the DMA with spilled ray slots. With the stage times S, F and D and the total time T, the exponent p
@@ -127,7 +131,7 @@ struct Estimate {
 /// Not modelled: changes of hit rates and of the tile-to-core assignment.
 std::vector<Estimate> estimate_speedups(const CoreTime& time);
 
-/// Returns the resource with the largest speed-up.
+/// Returns the estimate with the largest speed-up.
 const Estimate& largest_speedup(const std::vector<Estimate>& estimates);
 
 /// Returns one line on the resource that limits the frame.

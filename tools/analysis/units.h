@@ -16,7 +16,8 @@
 
 namespace tools {
 
-/// Returns the reported name of a counter: a member of `Stats`, or a function from Stats to a member.
+/// Returns the name under which reports list a counter. `counter`: a pointer to a member of `Stats`, or a function from
+/// Stats to a member.
 template <class Stats>
 std::string_view counter_name(auto&& counter) {
   const Stats stats{};
@@ -34,14 +35,14 @@ std::string counter_path(std::uint64_t Unit::Stats::*counter, std::string_view k
   return fmt::format("units.{}.counters.{}", kind, counter_name<typename Unit::Stats>(counter));
 }
 
-/// The units of one type, and sums over them; 0 if there are none.
+/// The units of one type in a report, and sums of their counters; sums are 0 if there are no units.
 template <class Unit>
 class Units {
  public:
   using Stats = typename Unit::Stats;
   using CycleReason = typename Unit::CycleReason;
 
-  /// Selects units whose path starts with `prefix`.
+  /// Selects the units of this type whose path starts with `prefix`.
   explicit Units(std::span<const sim::UnitReport> units, std::string_view prefix = {}) {
     for (const sim::UnitReport& unit : units) {
       if (unit.type == typeid(Unit) && unit.path.starts_with(prefix)) units_.push_back(&unit);
@@ -52,12 +53,12 @@ class Units {
   std::uint64_t elapsed() const {
     return sum([](const sim::UnitReport& unit) { return unit.elapsed; });
   }
-  /// Cycles charged to a reason.
+  /// Returns the cycles charged to a cycle reason, summed over the units.
   std::uint64_t spent(CycleReason reason) const {
     return sum(
         [&](const sim::UnitReport& unit) { return unit.cycles_by_reason.at(static_cast<std::size_t>(reason)).second; });
   }
-  /// Sum of a counter, given as for counter_name().
+  /// Returns the sum of a counter over the units; `counter` as for counter_name().
   std::uint64_t counted(auto&& counter) const {
     const std::string_view name = counter_name<Stats>(counter);
     return sum([&](const sim::UnitReport& unit) {
@@ -66,7 +67,7 @@ class Units {
       return found->value;
     });
   }
-  /// Share of time charged to a reason.
+  /// Returns the share of the units' time that is charged to a cycle reason.
   double share(CycleReason reason) const {
     return elapsed() == 0 ? 0 : static_cast<double>(spent(reason)) / static_cast<double>(elapsed());
   }

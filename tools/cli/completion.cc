@@ -43,7 +43,7 @@ struct DeclaredVerb {
   std::vector<std::string> words;  ///< "raywatt", "trace", "replay"
   std::string help, footer;
   std::vector<DeclaredOption> options;
-  std::vector<std::string> verbs;  ///< its subcommands
+  std::vector<std::string> verbs;  ///< names of the verb's subcommands
 };
 
 /// Returns the words between the braces of "TEXT:{local,slurm}".
@@ -85,7 +85,7 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
   return verbs;
 }
 
-/// The keys of --set, for completion scripts.
+/// The configuration keys that --set accepts, for completion scripts.
 struct SetKeys {
   std::vector<std::string> every, of_energy;  ///< in order of declaration; `of_energy`: keys that affect energy only
   std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< values of a key: words, or names of files
@@ -118,7 +118,7 @@ std::vector<std::string> option_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Returns the names that an option accepts besides files.
+/// Returns the names that an option accepts in addition to files.
 std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOption& option) {
   const std::string& name = option.names.front();
   std::vector<std::string> known;
@@ -139,7 +139,7 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
              (join_words(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
   }
-  std::erase_if(known, [](const std::string& each) {  // words that a shell would split
+  std::erase_if(known, [](const std::string& each) {  // removes names that a shell would split into words
     return !std::ranges::all_of(each, [](unsigned char c) { return std::isalnum(c) || std::strchr("-_.:", c); });
   });
   return known;
@@ -155,15 +155,15 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Returns the name of the list of keys for a verb's --set.
+/// Returns the name of the list of keys (a member of SetKeys) that the verb's --set accepts.
 const char* list_of_keys(const DeclaredVerb& verb) {
   return join_words(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
 
 bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
 
-/// Calls f(patterns, variable, values) for each option with a value. `variable`: "choices" for the only allowed values,
-/// "names" for values besides files, "keys" for a list of keys, "next" for files only.
+/// Calls f(patterns, variable, values) for each option with a value. `variable`: "choices" if only `values` are
+/// allowed, "names" if files are also allowed, "keys" for a list of keys, "next" for files only.
 template <class F>
 void for_values(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
@@ -179,7 +179,7 @@ void for_values(const DeclaredVerb& verb, const F& f) {
   }
 }
 
-/// Returns the cases of a shell `case` over the verb, with `body(verb)` as lines.
+/// Returns the branches of a shell `case` statement over verbs; `body(verb)` gives the lines of a branch.
 template <class F>
 std::string verb_cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   std::string out;
@@ -188,7 +188,7 @@ std::string verb_cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   return out;
 }
 
-/// A loop that finds the verb in the words before the cursor.
+/// A shell loop that finds the verb in the words before the cursor.
 constexpr std::string_view kFindVerb = R"(  verb=raywatt
   for word in "${before[@]}"; do
     case " $verb $word" in
@@ -202,8 +202,8 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// Returns the lines that set `next`, `choices` (the only words) or `names` (words besides files) to the words that may
-/// follow.
+/// Returns the shell lines that set the words which may follow: `choices` if only they are allowed, `names` if files
+/// are also allowed, and `next` for verbs and options.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
     std::string lines = fmt::format("      next='{} {} {}'\n", join_words(verb.verbs),
@@ -218,10 +218,10 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" + verb_cases(verbs, offered) + "  esac\n";
 }
 
-/// Returns the keys, each with an equals sign.
+/// Returns the keys in one text, each followed by an equals sign.
 std::string keys_with_equals(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
-/// Returns the lines that set `keys` to the keys of --set and, after "key=", `choices` to its values.
+/// Returns the shell lines that set `keys` to the keys of --set and, after "key=", `choices` to the values of that key.
 std::string what_is_set() {
   const SetKeys keys = set_keys();
   std::string values;

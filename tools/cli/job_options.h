@@ -14,7 +14,7 @@ namespace tools {
 
 /// Adds the options shared by all verbs that render. `positional`: the configuration is a positional argument.
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
-/// Adds --rays, which excludes the options of a rendered run; call it last.
+/// Adds --rays, which excludes the options of a rendered run; call it after those options are added.
 void add_rays_option(CLI::App& verb, JobOptions& options);
 /// Adds --timeline.
 void add_timeline_option(CLI::App& verb, JobOptions& options);
@@ -33,10 +33,10 @@ void add_frames_option(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
-/// Prints the warnings on a configuration's tables to stderr.
+/// Prints warnings on values outside the ranges of a configuration's tables to stderr.
 void print_table_warnings(const JobOptions& options);
 
-/// Adds the options of the launcher of points.
+/// Adds the options that choose how the points of a sweep or a search are launched.
 void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 
 /// Adds --progress.
@@ -45,9 +45,9 @@ void add_progress_option(CLI::App& verb, std::string& progress);
 /// Makes all options of all existing verbs reject empty values, which usually come from unset variables. --set has a
 /// check of its own.
 void refuse_empty_values(CLI::App& app);
-/// Rejects negative numbers, which CLI11 reads as large unsigned ones.
+/// Makes an option reject negative numbers, which CLI11 reads as large unsigned ones.
 void refuse_negative(CLI::Option& option);
-/// Rejects values that are not finite numbers above 0.
+/// Makes an option reject values that are not finite numbers above 0.
 void require_positive(CLI::Option& option);
 
 }  // namespace tools

@@ -37,7 +37,7 @@
 namespace tools {
 namespace {
 
-/// Returns the question of an experiment, or the first sentence of the comment at the start of a file.
+/// Returns one line on a configuration file: its `question`, or the first sentence of the comment at its start.
 std::string line_about(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";
@@ -58,14 +58,14 @@ std::string line_about(const std::filesystem::path& file) {
   return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
 }
 
-/// True for an experiment of `raywatt optimise`.
+/// True if the experiment's file is for `raywatt optimise`.
 bool is_search(const std::string& name) {
   std::ifstream in(find_config_file(name));
   std::string line;
   return std::getline(in, line) && line.starts_with("schema: raywatt-optimise/");
 }
 
-/// Lists the configuration files by kind, with one line about each.
+/// Returns a list of the configuration files by kind, with one line about each.
 std::string config_list() {
   std::string text;
   const auto list = [&](const std::string& head, const std::vector<std::string>& names) {
@@ -207,7 +207,7 @@ void print_scenes() {
              fmt::join(workload_names(), ", "));
 }
 
-/// A scene requested by name, workload or file.
+/// A scene that the command line names by name, workload or file.
 struct Wanted {
   JobOptions job;
   traces::Scene open_scene() const { return open_scene(load_run_config(job)); }

@@ -41,7 +41,7 @@ const CLI::App& selected_verb(const CLI::App& app) {
   return *verb;
 }
 
-/// Returns for example "raywatt trace replay".
+/// Returns the full command of a verb, for example "raywatt trace replay".
 std::string command_of(const CLI::App& verb) {
   return (verb.get_parent() != nullptr ? command_of(*verb.get_parent()) + " " : "") + verb.get_name();
 }
@@ -58,7 +58,8 @@ std::string unknown_verb(const CLI::App& verb) {
                      sim::printable(rest.front()), traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
-/// Suggests --set for "raywatt run sgrt-2016 --set cores=2 rays=8"; empty if no word is a setting.
+/// Returns a message that suggests --set for "raywatt run sgrt-2016 --set cores=2 rays=8"; empty if no word is a
+/// setting.
 std::string setting_without_option(const CLI::App& verb, const std::vector<std::string>& rest) {
   const auto setting =
       std::ranges::find_if(rest, [](const std::string& word) { return word.find('=') != std::string::npos; });
@@ -159,7 +160,7 @@ class UsageFormatter : public CLI::Formatter {
   }
 };
 
-/// Suggests --help for "raywatt help run"; empty for other command lines.
+/// Returns a message that suggests --help for "raywatt help run"; empty for other command lines.
 std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "help") return {};
   return fmt::format("help is an option; allowed: {} --help", command_of(verb));
@@ -173,7 +174,7 @@ int run_command(int argc, char** argv) {
   app.set_version_flag(
       "--version", fmt::format("raywatt {} ({}{})", tools::build_info().version, tools::build_info().git.substr(0, 12),
                                tools::build_info().dirty ? ", with changes" : ""));
-  std::vector<std::string> words;  // for reports
+  std::vector<std::string> words;  // command line, for reports
   std::transform(argv, argv + argc, std::back_inserter(words), sim::with_escaped_bytes);
   tools::add_run(app, words, exit);
   tools::add_verify(app, words, exit);
@@ -228,7 +229,7 @@ int main(int argc, char** argv) {
   try {
     return run_command(argc, argv);
   } catch (const tools::Interrupted&) {
-    return 128 + SIGINT;  // only if no HoldInterrupts ended the process
+    return 128 + SIGINT;  // reached only if no HoldInterrupts ended the process
   } catch (const sim::InputError& error) {
     return print_error(error.what(), tools::kBadInput);
   } catch (const sim::IoError& error) {

@@ -2,7 +2,7 @@
 
 #include "tools/host/process.h"
 
-// Built for any x86-64 processor, as nothing else here is: it looks at the one there is before other code begins.
+// This file alone is compiled for any x86-64 processor: it checks the host's processor before other code runs.
 
 namespace tools {
 namespace {

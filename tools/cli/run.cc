@@ -73,7 +73,7 @@ void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) 
 
 namespace {
 
-/// The arguments "[CONFIG] FILE".
+/// Positional arguments of a verb: an optional configuration, then a trace file.
 struct Arguments {
   std::vector<std::string> words;
   const std::string& trace_file() const { return words.back(); }

@@ -99,14 +99,13 @@ void add_sweep_cancel(CLI::App& group) {
   verb->callback([=] { cancel_sweep(*path); });
 }
 
-
 /// Returns the width of the terminal, or 80.
 std::size_t terminal_width() {
   winsize size{};
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
 }
 
-/// Collects the results of a sweep and prints what `write` makes of them.
+/// Collects the results of a sweep and prints the text that `write` returns for them.
 template <class Write>
 void print_results(const fs::path& sweep, Write&& write, bool csv = false) {
   results::collect_if_writable(sweep, "the results below are those last collected");
@@ -128,7 +127,7 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
       ->type_name("EXPR");
 }
 
-/// `band`: also evaluate random draws of the energy tables.
+/// Adds --energy band, which sets `band`: also evaluate random draws of the energy tables.
 void add_energy_option(CLI::App& verb, bool& band) {
   verb.add_option_function<std::string>(
           "--energy", [&band](const std::string& word) { band = word == "band"; },

@@ -10,7 +10,7 @@ class App;
 
 namespace tools {
 
-// One function per verb, which adds it to the command line. The verb runs as a callback and sets `exit`.
+// Each function adds one verb to the command line. The verb's callback runs the verb and sets the exit code `exit`.
 void add_run(CLI::App& app, const std::vector<std::string>& argv, int& exit);
 void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit);
 void add_reproduce(CLI::App& app, const std::vector<std::string>& argv);

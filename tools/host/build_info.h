@@ -7,7 +7,7 @@ namespace tools {
 struct BuildInfo {
   std::string_view version;
   std::string_view git;  ///< commit, or "unknown" outside a repository
-  bool dirty;            ///< uncommitted changes at build time
+  bool dirty;            ///< true if there were uncommitted changes at build time
   std::string_view compiler;
   std::string_view flags;
   std::string_view model_id;   ///< hash of the model's sources and library versions; equal ids give equal results

@@ -55,7 +55,7 @@ std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
   return names;
 }
 
-/// Returns "known: a, b", or the folders that were searched if there are no configurations at all.
+/// Returns "known: a, b" for an error message, or the searched folders if there are no configurations at all.
 std::string known_text(const std::vector<std::string>& names) {
   if (!names.empty()) return fmt::format("known: {}", fmt::join(names, ", "));
   std::vector<std::string> folders;

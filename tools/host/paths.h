@@ -10,11 +10,11 @@ namespace tools {
 /// program, and the source folder for a program in its build folder.
 std::vector<std::filesystem::path> search_folders();
 
-/// Returns the same folders, each followed by its subfolder `configs`.
+/// Returns the folders in which configurations are looked up: each search folder, followed by its subfolder `configs`.
 std::vector<std::filesystem::path> config_folders();
 
-/// Returns a configuration file: a path if `argument` contains '/' or ends in .yaml, else NAME.yaml in
-/// config_folders(). InputError with the nearest name if there is none, or with --scene if it names a scene.
+/// Returns the path of a configuration file: `argument` if it contains '/' or ends in .yaml, else NAME.yaml in
+/// config_folders(). If there is none, InputError suggests the nearest name, or --scene for the name of a scene.
 std::filesystem::path find_config(const std::string& argument);
 
 /// Returns the workload file for --scene: `argument` if it ends in .yaml, else NAME.yaml in traces/workloads or

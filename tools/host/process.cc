@@ -20,7 +20,7 @@ namespace {
 std::atomic<int> held = 0, waiting = 0;
 std::atomic<bool> has_bar = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
-std::string kept_so_far;  ///< must not be used in the signal handler
+std::string kept_so_far;  ///< text after "interrupted"; the signal handler must not use it
 
 void write_words(std::string_view words) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());

@@ -33,7 +33,7 @@ class HoldInterrupts {
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
 
-/// Sets the text after "interrupted" in the message of a delayed interrupt: "kept 3 of 10 frames in out".
+/// Sets the text that follows "interrupted" in the message of a delayed interrupt, e.g. "kept 3 of 10 frames in out".
 void set_interrupt_note(const std::string& kept);
 
 /// Sets whether the last line of the terminal is a progress bar, which an interrupt erases before its message.
@@ -49,7 +49,8 @@ using Interrupted = sim::Cancelled;
 /// end it without a message, because the parent prints one.
 class ChildProcess {
  public:
-  /// `make_text` is called in the child, where its exceptions leave the constructor. std::system_error without a child.
+  /// Starts the child, which calls `make_text` and sends the text. Throws std::system_error if no process can be
+  /// started; in the child, exceptions of `make_text` leave the constructor.
   explicit ChildProcess(const std::function<std::string()>& make_text);
   /// Kills the child if it still runs.
   ~ChildProcess();
@@ -58,10 +59,10 @@ class ChildProcess {
 
   /// Returns the reading end of the pipe, for poll().
   int pipe_end() const { return pipe_end_; }
-  /// Waits for data and reads them. Returns false at the end of the text.
+  /// Waits for data from the child and reads them. Returns false at the end of the text.
   bool receive_data();
   const std::string& received_text() const { return text_; }
-  /// Waits for the end and returns the status of waitpid().
+  /// Waits until the child has ended and returns its status as of waitpid().
   int wait_for_exit();
 
  private:

@@ -45,7 +45,7 @@ std::size_t rows_of_terminal() {
   return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row != 0 ? size.ws_row : 24;
 }
 
-/// Returns the expected time of day of the end.
+/// Returns the time of day at which the job is expected to end, as text.
 std::string end_text(double seconds_left) {
   const std::time_t end = std::time(nullptr) + static_cast<std::time_t>(seconds_left + 0.5);
   return fmt::format("ends at {:%H:%M:%S}", fmt::localtime(end));
@@ -62,7 +62,8 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::done_share() const {
-  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // a finished part is counted in `part`
+  // share of the current part; a finished part is already counted in `part`
+  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;
   return (part + of_part) / parts;
 }
 
@@ -235,7 +236,7 @@ void Progress::show_view() {
   view_lines_ = taken;
 }
 
-/// Appends a line, for logs.
+/// Prints the progress as a new line, for output that is not a terminal.
 void Progress::show_line() {
   constexpr std::size_t kAnyLength = 1 << 10;
   const ProgressState state = current_state();
@@ -260,7 +261,7 @@ double Progress::traced_seconds() const {
   return state_.traced_seconds + (counts ? sim::seconds_since(part_since_) : 0);
 }
 
-/// Adds the time of the current part, if any, and stops its clock.
+/// Adds the time since the start of the current part, if any, to the tracing time, and marks that no part is running.
 void Progress::stop_clock() {
   state_.traced_seconds = traced_seconds();
   part_since_ = {};

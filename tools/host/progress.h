@@ -19,13 +19,13 @@ struct SmallPicture {
   bool empty() const { return rgb.empty(); }
 };
 
-/// Live figures and picture of a running job, read by the thread that draws the progress.
+/// Source of live figures and a picture of a running job. The thread that displays progress calls it.
 class View {
  public:
   virtual ~View() = default;
   /// Returns the figures, one line of text each.
   virtual std::vector<std::string> lines() = 0;
-  /// Returns the picture so far, at most `width` x `height` pixels.
+  /// Returns the picture rendered so far, scaled down to at most `width` x `height` pixels.
   virtual SmallPicture picture(std::size_t width, std::size_t height) = 0;
 };
 
@@ -35,7 +35,7 @@ bool has_true_colour();
 /// Draws a picture in half blocks: two pixels per character, one above the other, in 24-bit colour.
 std::string half_blocks(const SmallPicture& picture);
 
-/// Progress of a job.
+/// State of a job's progress, as displayed.
 struct ProgressState {
   std::string phase = "loading";       ///< current activity: "loading", "building the tree", "simulating", ...
   std::string label;                   ///< name of the current part, if parts have names
@@ -43,20 +43,20 @@ struct ProgressState {
   std::uint32_t part = 0, parts = 1;   ///< finished and total parts; a part is one frame of one frame program
   std::uint32_t tile = 0, tiles = 0;   ///< finished and total tiles of the current part
   std::uint64_t rays = 0, cycles = 0;  ///< sums over all parts so far; cycles of the T&I clock
-  std::uint32_t tile_before = 0;       ///< tiles already finished when the only part began
+  std::uint32_t tile_before = 0;       ///< tiles already finished when the part began, in a job of one part
   bool ended = false;
-  double seconds = 0;         ///< since the start of the job
-  double busy_seconds = 0;    ///< since the start of the first part
-  double traced_seconds = 0;  ///< within parts that count rays, without the time between them
+  double seconds = 0;         ///< seconds since the start of the job
+  double busy_seconds = 0;    ///< seconds since the start of the first part
+  double traced_seconds = 0;  ///< seconds within parts that trace rays, without the time between parts
 
   double done_share() const;  ///< finished share of the job, 0 to 1
   double rays_per_s() const;
   double seconds_left() const;  ///< negative if unknown
 };
 
-/// Returns one line for a terminal with this many columns.
+/// Returns the progress as one line for a terminal with this many columns.
 std::string progress_line(const ProgressState& state, std::size_t columns);
-/// Returns one line of JSON.
+/// Returns the progress as one line of JSON.
 std::string progress_json(const ProgressState& state);
 
 /// Reports progress on stderr from a thread of its own. Working threads only update the state once per tile.
@@ -76,7 +76,7 @@ class Progress {
 
   /// Sets the current activity, which traces no rays, and ends the current part.
   void set_phase(const std::string& what);
-  /// Starts a count of `parts` parts; it restarts if more parts follow.
+  /// Sets the number of parts of the job. A later call starts a new count.
   void expect_parts(std::uint32_t parts, const std::string& label = {});
   /// Begins a part. `before`: tiles that earlier work finished, for a job of one part.
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
@@ -84,12 +84,12 @@ class Progress {
   void set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Prints a line to stderr above the bar.
   void print_line(const std::string& line);
-  /// Prints a line unless progress is quiet, "json" or "none".
+  /// True unless progress is quiet, "json" or "none": only then print_hint() prints its line.
   bool shows_hints() const { return hints_; }
   void print_hint(const std::string& line) {
     if (hints_) print_line(line);
   }
-  /// Ends the display: "done", "interrupted" or "failed". Nothing is printed afterwards.
+  /// Ends the display with the state `how`: "done", "interrupted" or "failed". Nothing is printed afterwards.
   void finish(const std::string& how);
 
  private:
@@ -111,7 +111,8 @@ class Progress {
   bool shows_picture_ = false;
   std::size_t view_lines_ = 0;  ///< number of terminal lines of the view
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
-  sim::HostClock::time_point busy_since_, part_since_;  ///< zero before the first part; zero outside parts
+  /// Start of the first part, zero before it; start of the current part, zero between parts.
+  sim::HostClock::time_point busy_since_, part_since_;
   std::mutex mutex_;
   std::condition_variable news_;
   ProgressState state_;

@@ -30,7 +30,7 @@ namespace {
 
 fs::path dated_folder() {
   const std::string date = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-  std::error_code ignored;  // reported when the folder is made
+  std::error_code ignored;  // the error is reported when the folder is created
   const fs::path parent = fs::absolute("raywatt-out", ignored);
   fs::path folder = parent / date;
   for (int n = 2; fs::exists(folder, ignored); ++n) folder = parent / fmt::format("{}_{}", date, n);
@@ -74,12 +74,12 @@ constexpr std::array<std::string_view, 17> kResults = {
     "image.png",      "image.exr",   "pixels.exr",  "reference.exr",  "reference.png",     "reference.json",
     "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md"};
 
-/// True for pictures with this prefix, as figure-1-village.png and debug-steps.exr.
+/// True for a picture's file name with this prefix, e.g. figure-1-village.png or debug-steps.exr.
 bool is_picture_of(std::string_view prefix, std::string_view name) {
   return name.starts_with(prefix) && (name.ends_with(".png") || name.ends_with(".exr"));
 }
 
-/// True for names of frame pictures, as frame-0000.png and frame-0000-debug-similar.png.
+/// True for the file name of a frame's picture, e.g. frame-0000.png or frame-0000-debug-similar.png.
 bool is_frame(std::string_view name) {
   constexpr std::string_view kHead = "frame-", kDigits = "0123456789";
   if (!name.starts_with(kHead)) return false;
@@ -95,7 +95,7 @@ bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
          is_result_name(name);
 }
 
-/// Lists the former results of the verb; none in a folder of another verb.
+/// Returns the result files that an earlier run of the verb left in the folder; none in a folder of another verb.
 std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb) {
   std::vector<fs::path> files;
   if (former_results(folder, verb) != Former::kOwn) return files;
@@ -105,7 +105,8 @@ std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb
   return files;
 }
 
-/// InputError if the folder cannot be read, or if a folder, link or device in it has the name of a result.
+/// Throws InputError if the folder cannot be read, or if it contains a folder, link or device with the name of a result
+/// file.
 void check_names(const fs::path& folder) {
   std::error_code failed, vanished;
   fs::directory_iterator entry(folder, failed);
@@ -150,7 +151,7 @@ std::error_code exchange_folders(const fs::path& a, const fs::path& b) {
   return error;
 }
 
-/// Copies permissions and group of the folder that will be replaced.
+/// Copies permissions and group of the folder `former`, which will be replaced, to `folder`.
 void copy_permissions(const fs::path& folder, const fs::path& former) {
   struct stat about {};
   if (::stat(former.c_str(), &about) != 0) return;
@@ -158,7 +159,8 @@ void copy_permissions(const fs::path& folder, const fs::path& former) {
   ::chmod(folder.c_str(), about.st_mode & 07777U);
 }
 
-/// A shell whose working directory is replaced would be left in a deleted folder.
+/// True if the folder is the working directory. It is not replaced, because the user's shell would be left in a deleted
+/// folder.
 bool is_working_directory(const fs::path& folder) {
   std::error_code ignored;
   return fs::equivalent(folder, fs::current_path(ignored), ignored);

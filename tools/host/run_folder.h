@@ -6,10 +6,10 @@
 
 namespace tools {
 
-/// Distinguishes the results of a verb from those of other verbs.
+/// Properties by which the results of one verb are distinguished from those of other verbs.
 struct ResultsOf {
   std::string_view mark = "report.json";  ///< file that every run of the verb writes
-  std::string_view name = {};             ///< the verb, if other verbs write a file of that name
+  std::string_view name = {};             ///< name of the verb, if other verbs also write a file called `mark`
   bool pictures = true;                   ///< results may include pictures
 };
 /// True for the name of a file that a verb writes into its folder.
@@ -27,22 +27,22 @@ class RunFolder {
   /// given. InputError otherwise. An empty path becomes a dated folder below raywatt-out/. Nothing is created yet.
   RunFolder(std::filesystem::path target, bool force, const ResultsOf& verb = kResultsOfRun);
 
-  /// Creates the temporary folder at the first call and returns its path.
+  /// Function that returns the path of the temporary folder and creates the folder at the first call.
   using Open = std::function<const std::filesystem::path&()>;
 
-  /// Calls `write` to fill the temporary folder, then replaces the former results. Interrupts are held from the moment
-  /// the folder is created; the message then names what `write` returned as kept. IoError if that
-  /// fails; then nothing is left. A second call replaces the results of the first.
+  /// Calls `write` to fill the temporary folder, then replaces the former results. Interrupts are delayed once the
+  /// folder is created; their message then contains the text that `write` returned. IoError if the results cannot be
+  /// written; then none are left. A second call replaces the results of the first.
   void fill(const std::function<std::string(const Open& folder)>& write);
 
-  /// True if a former run would be replaced.
+  /// True if the target folder contains a former run, which fill() would replace.
   bool holds_former_run() const;
 
   const std::filesystem::path& target() const { return target_; }
 
  private:
   const ResultsOf verb_;
-  bool dated_;  ///< the name may be changed if it is taken
+  bool dated_;  ///< the folder's name is made from the date and may be changed if it already exists
   std::filesystem::path target_;
 };
 

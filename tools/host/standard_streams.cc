@@ -26,7 +26,7 @@ void ignore_write_signals() {
 
 void flush_output() {
   int error = std::fflush(stdout) != 0 ? errno : 0;
-  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // bytes of an earlier write were lost
+  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // an earlier write failed
   if (error != 0) throw std::system_error(error, std::generic_category(), "standard output");
 }
 

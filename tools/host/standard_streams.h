@@ -11,12 +11,14 @@
 namespace tools {
 
 /// Opens the descriptors 0 to 2 that the parent process has closed, so that no file or socket gets one of these
-/// numbers. Reads and writes of standard input and output still fail; standard error discards.
+/// numbers. Reads from standard input and writes to standard output still fail; text written to standard error is
+/// discarded.
 void open_closed_streams();
 
 /// Signals sent on a write to a closed pipe, or past the file size limit (ulimit -f).
 inline constexpr std::array<int, 2> kSignalsOfWrites = {SIGPIPE, SIGXFSZ};
-/// Ignores these signals, so that write() returns an error. Child processes must restore them.
+/// Ignores kSignalsOfWrites, so that write() returns an error instead. Child processes must restore the default
+/// handlers.
 void ignore_write_signals();
 
 /// Flushes standard output. Throws std::system_error if any write failed.

@@ -33,18 +33,18 @@ namespace {
 
 constexpr std::string_view kMagic = "raywatt-intervals/1\n", kKind = "raywatt-intervals/";
 constexpr std::uint64_t kMostUnits = 1U << 16, kMostNames = 1U << 10, kLongestName = 256;
-constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< in all frames together
+constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< limits of a file, over all frames
 constexpr int kLevel = -20;  ///< zstd: a third of the instructions of level 1, files half as large again
 constexpr std::uint64_t kMostNamesBytes = 1U << 26, kLongestVarint = 10;
 
-/// Writes a number; the caller has reserved the room.
+/// Writes a number in variable-length encoding and returns the end of it; the caller has reserved the space.
 char* write_number(char* at, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) *at++ = static_cast<char>(value | 0x80U);
   *at++ = static_cast<char>(value);
   return at;
 }
 
-/// Writes a value of a unit over all intervals: its total, then, unless that is 0, its increase in each interval.
+/// Writes one value of a unit over all intervals: its total, then its increase in each interval, unless the total is 0.
 char* write_column(char* at, const sim::Intervals& intervals, std::size_t column) {
   const std::size_t rows = intervals.size(), width = intervals.row_width();
   const std::uint64_t* value = intervals.row(0).data() + column;
@@ -288,7 +288,7 @@ constexpr double kPercent = 100;
 constexpr double kGigabytesPerByteOverFemtosecond = 1e6;
 constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 
-/// Series under construction, in the order in which their names first appear.
+/// Collects series of values, in the order in which their names first appear.
 class Growing {
  public:
   explicit Growing(std::vector<IntervalSeries>& series) : series_(series) {}
@@ -418,7 +418,7 @@ class Table {
   Reports until_, within_;
   IntervalTable table_;
   Growing series_;
-  double time_ = 1;  ///< length of the interval in fs
+  double time_ = 1;  ///< length of the current interval in fs
   std::vector<double> blocks_before_, kinds_before_;
 };
 

@@ -19,7 +19,7 @@ namespace tools {
 
 inline constexpr const char* kIntervalFile = "intervals.bin.zst";
 
-/// Names of a unit's values in order: cycles by reason, then counters.
+/// Names of the values of a unit in an interval, in order: cycles by reason, then counters.
 struct IntervalUnit {
   struct Counter {
     std::string name;
@@ -31,18 +31,18 @@ struct IntervalUnit {
   std::size_t value_count() const { return reasons.size() + counters.size(); }
 };
 
-/// Intervals of one frame of the picture. Values are cumulative from the beginning of the frame: the last row has the
-/// frame's totals, and the difference of two rows is what happened between them.
+/// Counters of all units at the end of each interval of one frame, one row per interval. Values are cumulative from the
+/// start of the frame: the last row has the frame's totals.
 struct IntervalFrame {
   std::uint32_t frame = 0;              ///< number of the frame
-  sim::Time length = 0, end = 0;        ///< of all intervals but the last; of the frame
+  sim::Time length = 0, end = 0;        ///< length of all intervals except the last; end of the frame
   std::size_t rows = 0, width = 0;      ///< number of intervals; number of values of all units
   std::vector<std::uint64_t> values{};  ///< row by row
 
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
   sim::Time begin_of(std::size_t i) const { return i * length; }
   sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
-  /// Returns a copy with at most `most` intervals: neighbours are merged in pairs, repeatedly.
+  /// Returns a copy with at most `most` intervals, made by repeatedly merging pairs of neighbouring intervals.
   IntervalFrame merged_to(std::size_t most) const;
 };
 
@@ -52,8 +52,8 @@ struct IntervalFile {
   std::vector<IntervalFrame> frames;
 };
 
-/// Returns an empty record for one of `frames` frames, which share the maximum number of intervals of a run; each has
-/// at least a few.
+/// Returns empty intervals, to be filled, for one of the `frames` frames of a run. The frames share the run's maximum
+/// number of intervals.
 sim::Intervals intervals_of_frame(std::uint32_t frames);
 
 /// Packs a run's intervals frame by frame, so that at most one frame is kept unpacked.
@@ -61,7 +61,7 @@ class IntervalPacker {
  public:
   void add(std::uint32_t frame, const sim::Intervals& intervals);
   bool empty() const { return frames_ == 0; }
-  /// Returns the file's bytes.
+  /// Returns the bytes of intervals.bin.zst for the frames added so far.
   std::string file_bytes(std::span<const sim::UnitReport> units) const;
 
  private:
@@ -69,7 +69,7 @@ class IntervalPacker {
   std::string packed_;
 };
 
-/// Reads a file's bytes. Throws InputError, without the file's name, for anything that is not such a file; the input
+/// Parses the bytes of an intervals.bin.zst. Throws InputError, without the file's name, for all other input; the input
 /// may be hostile.
 IntervalFile read_intervals(std::string_view bytes);
 
@@ -79,11 +79,10 @@ IntervalFile read_intervals(std::string_view bytes);
 ///   report.json: config ──► machine at rest: blocks, reasons, what each counter costs ──► series.h: W, GB/s, %
 ///
 /// The constructor checks that the last rows of all frames sum to the report's counters.
-/// That the last rows of all frames add up to the report's own counters is checked.
 class RunIntervals {
  public:
-  /// True if the run has intervals. Runs with --intervals off, sampled runs, points of sweeps and runs of older
-  /// versions have none.
+  /// True if the folder of the report has intervals. Runs with --intervals off, sampled runs, points of sweeps and runs
+  /// of older versions have none.
   static bool are_beside(const ReportFile& report);
   /// Loads the intervals of a run's folder or report.json. Throws InputError if there are none, if they are damaged or
   /// belong to another report, or if the report was made by another model.
@@ -96,11 +95,11 @@ class RunIntervals {
   /// Returns the frames in the order of the run.
   std::span<const IntervalFrame> frames() const { return frames_; }
 
-  /// Sets the values of `units`, a copy of units(), to those at the end of an interval. Peaks are the maximum until
-  /// then.
+  /// Sets the values of `units`, a copy of units(), to those at the end of an interval. Counters of peaks are the
+  /// maximum until then.
   static void set_until(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
-  /// Sets the values of `units` to their increase in an interval. Peaks are the maximum since the beginning of the
-  /// frame.
+  /// Sets the values of `units` to their increase in an interval. Counters of peaks are the maximum since the beginning
+  /// of the frame.
   static void set_within(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
 
  private:
@@ -136,10 +135,12 @@ struct IntervalTable {
   const IntervalSeries* find(std::string_view group, std::string_view name) const;
 };
 
-/// Computes the table with one side of the energy figures, after merging intervals to at most `most`.
+/// Computes the figures of a frame over time. `side`: use low, nominal or high energy figures. Intervals are first
+/// merged to at most `most`.
 ///
-/// The energy of an interval is the difference of two cumulative energies, each computed as totals.energy_mj from the
-/// counters until an edge. The last edge therefore gives the frame's energy bit by bit.
+/// The energy of an interval is the difference of the cumulative energies at its end and its start, which are computed
+/// from cumulative counters like totals.energy_mj. The last cumulative energy equals the frame's energy to the last
+/// bit.
 IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame,
                            sim::BandMember side = &sim::Band::nominal, std::size_t most = sim::Intervals::kMost);
 

@@ -11,7 +11,7 @@
 namespace tools {
 namespace {
 
-/// Noise of frames with at least `pixels` pixels: of time and rates, of energy, of memory traffic.
+/// Relative noise of frames with at least `pixels` pixels: of times and rates, of energies, of memory traffic.
 struct Level {
   double pixels, time, energy, traffic;
 };
@@ -46,7 +46,7 @@ bool is_among(std::string_view figure, const auto& names) {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Returns the half-width of a 95 % interval in standard deviations of one run, for a difference of two runs.
+/// Returns the half-width of the 95 % interval of a difference of two runs, in standard deviations of one run.
 double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
 
 }  // namespace

@@ -9,12 +9,12 @@
 
 namespace tools {
 
-/// Returns the quantile of Student's t distribution: `share` of it is below.
+/// Returns the quantile of Student's t distribution below which a share `share` of the distribution lies.
 double student_t(double degrees, double share = 0.975);
 /// Returns the probability that a variable of Student's t distribution exceeds `t`.
 double student_t_above(double t, double degrees);
 
-/// Mean and standard deviation of draws of a figure.
+/// Statistics of repeated measurements (draws) of a figure.
 struct Draws {
   std::size_t count = 0;
   double mean = 0;
@@ -38,12 +38,12 @@ struct MeanDifference {
 };
 MeanDifference difference_of(const Draws& a, const Draws& b);
 
-/// Returns which hypotheses are rejected, given their p-values, at a family-wise error rate of `error` (Holm,
-/// Scandinavian Journal of Statistics 1979).
+/// Returns for each null hypothesis whether it is rejected, at a family-wise error rate of `error` (Holm, Scandinavian
+/// Journal of Statistics 1979). `chances`: p-values.
 std::vector<bool> reject_hypotheses(std::span<const double> chances, double error);
 
-/// Figures of `totals` that vary with races within a frame: these, and all figures below them. Energies by event and
-/// cycles by kernel vary, too, but no noise is stated for them.
+/// Figures of a report's `totals` that have noise, because they vary with the timing of tiles in a frame; figures below
+/// them have noise, too. Energies by event and cycles by kernel also vary, but no noise is stated for them.
 inline constexpr std::array kNoisyFigures = {
     "cycles",
     "time_ms",
@@ -67,11 +67,11 @@ inline constexpr std::array kNoisyFigures = {
     "relative.gpu_perf_per_watt",
 };
 
-/// Returns half of the 95 % interval of the difference of two runs of one design, as a share of the figure of `totals`
-/// (docs/noise.md). Used if there are no replicates.
+/// Returns the noise to assume for a figure of `totals` without replicates (docs/noise.md): half of the 95 % interval
+/// of the difference of two runs of one design, as a share of the figure.
 double default_noise(double pixels, std::string_view figure);
 
-/// True for a figure of `totals` that varies with races, e.g. "energy_mj.nominal".
+/// True for a figure of `totals` that varies with the timing of tiles, e.g. "energy_mj.nominal".
 bool is_noisy(std::string_view figure);
 
 /// A figure measured for a design: the mean of replicates, or the value of one run.
@@ -88,7 +88,8 @@ struct SeenFigure {
 /// Returns b - a; by Welch's test if both have replicates.
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
 
-/// Returns the noise of these replicates in the form of default_noise().
+/// Returns the noise of a figure measured by replicates, in the form of default_noise(): for a pair of runs, as a share
+/// of the figure.
 double noise_of_pair(const Draws& draws);
 
 }  // namespace tools

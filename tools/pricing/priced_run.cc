@@ -49,7 +49,7 @@ void add_figure(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, 
 
 void collect_entries(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
   for (const sim::ConfigNode& node : group.children) {
-    if (node.path == "area" || node.path == "power") continue;  // no energy figures
+    if (node.path == "area" || node.path == "power") continue;  // areas and power settings have no energy figures
     if (node.is_group()) {
       collect_entries(node, entries);
     } else if (node.affects != sim::Affects::kEnergy) {
@@ -96,9 +96,10 @@ double EnergyDraw::quantile_of(const EnergyEntry& entry) const {
 namespace {
 
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
-constexpr double kSumRounding = 1e-9;  ///< sums over frames are rounded differently from sums over counts
+/// Relative tolerance: sums over frames are rounded differently from sums over counts.
+constexpr double kSumRounding = 1e-9;
 
-/// Throws InputError unless the file is a whole energy table: it must have keys of energy only.
+/// Throws InputError unless the file is a whole energy table, with energy keys only.
 void check_kind(const std::filesystem::path& file) {
   const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
   const auto refuse = [&](const std::string& what) {
@@ -125,7 +126,7 @@ std::filesystem::path table_file(const std::string& name) {
   return sim::find_config(is_bare ? "energy/" + name : name, {}, "--energy", "energy");
 }
 
-/// Applies another table; refuses keys that change more than energy.
+/// Replaces the energy table of `config`. Refuses keys that change more than energy.
 void apply_table(const PriceTable& table, RunConfig& config) {
   sim::set_config_search_path(config_folders());
   const auto before = sim::list_fields(config);
@@ -202,7 +203,7 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
   std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
   RunConfig priced = config_;
-  priced.area.arrays.clear();  // areas are not priced
+  priced.area.arrays.clear();  // areas have no energy
   std::ranges::move(process_warnings(priced), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
   idle_ = std::make_unique<sim::EnergyFormula>(idle_for_a_millisecond(units), config_.energy, device_,

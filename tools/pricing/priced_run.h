@@ -17,53 +17,53 @@ namespace tools {
 struct EnergyEntry {
   std::string name;  ///< "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
-  std::string meaning;  ///< meaning of its key
+  std::string meaning;  ///< meaning of its configuration key
   std::uint64_t hash = 0;
   /// A figure of the configuration, and its band before any draw.
   struct Figure {
-    std::string name;  ///< with its size, "energy.events.cache.l1_read@16KiB"
+    std::string name;  ///< name of the entry, for a curve with the size: "energy.events.cache.l1_read@16KiB"
     sim::Band* value;
     sim::Band band;
   };
-  std::vector<Figure> figures;  ///< points of the curve, or one
+  std::vector<Figure> figures;  ///< points of the curve, or the only figure
 
   bool has_band() const;
-  /// Sets the nominal figure of each point to a quantile of its band.
+  /// Sets the nominal value of each figure to a quantile of its band.
   void set_quantile(double quantile);
   void restore_nominal();
 };
 
-/// Returns the entries of all tables, including those without a band, in the order of the configuration. `config` must
-/// outlive them.
+/// Returns the entries of all energy tables, including entries without a band, in the order of the configuration.
+/// `config` must outlive them.
 std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
 /// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the
 /// logarithm, or the figure itself if low is 0.
 double at_quantile(const sim::Band& band, double quantile);
 
-/// Independent draws of all entries. Entries of one name have the same quantile in all designs and at all points of a
-/// curve.
+/// A random draw of all table entries: an independent quantile for each name. Entries with the same name have the same
+/// quantile in all designs, at all points of a curve.
 struct EnergyDraw {
   std::uint64_t seed = 1;
   std::uint64_t number = 0;
   double quantile_of(const EnergyEntry& entry) const;
 };
 
-/// Energy figures that replace those of the run.
+/// Energy table that replaces the table of a run.
 struct PriceTable {
-  std::string energy{};             ///< a whole table, as energy.extends names it; empty: the run's
-  std::vector<std::string> sets{};  ///< "key=value" of keys that affect energy alone
+  std::string energy{};             ///< name of a whole energy table, as for energy.extends; empty: the run's own table
+  std::vector<std::string> sets{};  ///< "key=value" for keys that affect only energy
   bool is_own() const { return energy.empty() && sets.empty(); }
 };
 
-/// A finished run, priced without simulation: the counts of its report on the machine of its configuration.
+/// Computes the energy of a finished run without simulation, from the counts in its report and its configuration.
 ///
 ///   report.json: config ──► machine at rest: what each counter costs ──► formula x table ──► joules
 ///                units  ──► counts ──────────────────────────────────────┘
 class PricedRun {
  public:
-  /// Throws InputError if the report has no counts, if they do not give the reported energy under the run's own table
-  /// (the report was made by another model), or if the table does not fit.
+  /// Throws InputError if the report has no counts, if its counts do not give its energy under the run's own table
+  /// (another model made the report), or if `table` does not fit the machine.
   explicit PricedRun(const ReportFile& report, const PriceTable& table = {});
   PricedRun(const PricedRun&) = delete;
   PricedRun& operator=(const PricedRun&) = delete;
@@ -75,15 +75,15 @@ class PricedRun {
   /// whose energies hold at another voltage.
   const std::vector<std::string>& extrapolation_warnings() const { return extrapolated_; }
 
-  /// Returns the figures that have a band.
+  /// Returns the table entries that have a band.
   std::vector<EnergyEntry>& band_entries() { return entries_; }
-  /// Sets nominal figures to those of a draw; restore() sets them back to the table's.
+  /// Sets nominal figures to those of a random draw; restore_nominal() undoes it.
   void apply_draw(const EnergyDraw& draw);
   void restore_nominal();
-  /// Recomputes the formula; call after changing entries directly.
+  /// Recomputes the energy formula; call it after changing band_entries() directly.
   void update_formula();
 
-  /// Returns the current pJ of one side.
+  /// Returns the energy in pJ under the low, nominal or high figures.
   double total(sim::BandMember side) const { return formula_->total_pj(side); }
   double of_block(const std::string& block, sim::BandMember side) const;
   /// Returns the pJ of a frame and of the idle rest of its period at the rate frame.fps, which is above 0.

@@ -11,15 +11,15 @@ namespace tools {
 /// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
 RunConfig reported_config(const ReportFile& report);
 
-/// Counts of a report, to be filled into the units of a machine at rest.
+/// Reads the counts of all units from a report, to fill them into the units of a machine before its first cycle.
 class ReportedCounts {
  public:
-  /// Throws InputError if the report has none.
+  /// Throws InputError if the report has no counts.
   explicit ReportedCounts(const ReportFile& report);
-  /// Writes the counts into the units. Throws InputError if the report has other counts.
+  /// Writes the counts into the units. Throws InputError if the report's counts do not match the units.
   void fill(std::vector<sim::UnitReport>& units) const;
   bool has_rasteriser() const;
-  /// Throws InputError for a report of another model.
+  /// Throws InputError, which states that another model made the report, with the reason `why`.
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
