@@ -23,7 +23,7 @@ sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage&
 /// Formats the description of a scene; `cameras`: also print the position of each camera.
 std::string scene_info_text(const sim::Json& info, bool cameras);
 
-/// Returns the contents of a trace, schema raywatt-trace-info/1. InputError if the trace is damaged.
+/// Returns the contents of a trace, schema raywatt-trace-info/1. Throws InputError if the trace is damaged.
 sim::Json trace_info(const traces::TraceReader& trace);
 /// Formats the contents of a trace for a terminal, without configuration keys.
 std::string trace_info_text(const sim::Json& info);

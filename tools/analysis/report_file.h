@@ -34,8 +34,8 @@ struct ReportFile {
   std::filesystem::path picture(const char* type) const;
 };
 
-/// Reads the report of a run from a file or folder. InputError if there is none, it is not JSON, or its schema is not
-/// raywatt-report/1.
+/// Reads the report of a run from a file or folder. Throws InputError if there is none, it is not JSON, or its schema
+/// is not raywatt-report/1.
 ReportFile load_report(const std::filesystem::path& file_or_folder);
 /// Parses the bytes of a report. `file`: its path, for errors. Throws InputError like load_report().
 ReportFile parse_report(const std::string& bytes, const std::filesystem::path& file);
@@ -51,7 +51,7 @@ struct ReportNumber {
 };
 
 /// Returns the numbers of a report in order, then unit_sums(). Leaves out `host` and `provenance`, which differ between
-/// equal runs, and intervals of counters. InputError for excessive nesting.
+/// equal runs, and intervals of counters. Throws InputError for excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
 /// Returns sums over similar units: "units.core.tni.trv.counters.l1_hits" is the sum over all TRVs,
@@ -65,11 +65,11 @@ std::string metric_name(std::string_view path);
 
 /// Returns the path that `text` denotes: itself, "totals." plus itself, or the only path that ends in it at a dot.
 /// Paths in `totals` take precedence over all others, and paths in `frames` come last. A group that is a band denotes
-/// its nominal value: "power_w". InputError with candidates if ambiguous, if a group, or if nothing matches.
+/// its nominal value: "power_w". Throws InputError with candidates if ambiguous, if a group, or if nothing matches.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 
 /// Returns all paths that `text` denotes: one path, or all paths of a group; "units" denotes unit_sums(). Empty if
-/// nothing matches; InputError if ambiguous.
+/// nothing matches; throws InputError if ambiguous.
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths);
 
 }  // namespace tools

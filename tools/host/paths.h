@@ -25,7 +25,7 @@ std::optional<std::filesystem::path> find_workload(const std::string& argument);
 std::vector<std::string> workload_names();
 
 /// Returns the file of a sweep or search: a path if `argument` contains '/', ends in .yaml or exists, else
-/// experiments/NAME.yaml in config_folders(). InputError with the nearest name if there is none.
+/// experiments/NAME.yaml in config_folders(). Throws InputError with the nearest name if there is none.
 std::filesystem::path find_experiment(const std::filesystem::path& argument);
 
 /// Returns the files NAME.yaml in a subfolder of config_folders(), as `folder`/NAME, sorted. Folders: "dram", "energy",

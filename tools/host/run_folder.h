@@ -24,15 +24,16 @@ inline constexpr ResultsOf kResultsOfReplay{.name = "trace replay", .pictures = 
 class RunFolder {
  public:
   /// Checks that results may be written to `target`: it is new, empty, a former run of the same verb, or `force` is
-  /// given. InputError otherwise. An empty path becomes a dated folder below raywatt-out/. Nothing is created yet.
+  /// given. Throws InputError otherwise. An empty path becomes a dated folder below raywatt-out/. Nothing is created
+  /// yet.
   RunFolder(std::filesystem::path target, bool force, const ResultsOf& verb = kResultsOfRun);
 
   /// Function that returns the path of the temporary folder and creates the folder at the first call.
   using Open = std::function<const std::filesystem::path&()>;
 
   /// Calls `write` to fill the temporary folder, then replaces the former results. Interrupts are delayed once the
-  /// folder is created; their message then contains the text that `write` returned. IoError if the results cannot be
-  /// written; then none are left. A second call replaces the results of the first.
+  /// folder is created; their message then contains the text that `write` returned. Throws IoError if the results
+  /// cannot be written; then none are left. A second call replaces the results of the first.
   void fill(const std::function<std::string(const Open& folder)>& write);
 
   /// True if the target folder contains a former run, which fill() would replace.

@@ -50,7 +50,7 @@ namespace {
 struct FramePictures {
   const PlayedFrame& played;
   const kernels::ProgramSpec& program;
-  bool has_picture = true;  ///< false if sampling skipped tiles
+  bool has_picture = true;  ///< false if tile sampling did not render all tiles
   bool debug = false;       ///< also write debug pictures
 };
 
@@ -124,14 +124,14 @@ class PictureFiles {
 };
 
 /// Writes the frame's pictures: image, reference, difference, costs of pixels and tiles, debug pictures. Uses up to
-/// `threads` threads. IoError if a file cannot be written.
+/// `threads` threads. Throws IoError if a file cannot be written.
 void write_pictures(const std::filesystem::path& folder, const FramePictures& of, std::size_t threads) {
   PictureFiles files(folder, of);
   const std::vector<std::function<void()>> jobs = files.write_jobs();
   parallel_for(jobs.size(), threads, [&](std::size_t i, std::size_t) { jobs[i](); });
 }
 
-/// Scales a picture down by averaging pixels; never up.
+/// Returns a picture scaled down by averaging pixels to at most the given size. Small pictures keep their size.
 SmallPicture scale_down(std::span<const float> rgb, std::size_t width, std::size_t height, std::size_t most_width,
                         std::size_t most_height) {
   const std::size_t factor =
@@ -152,7 +152,7 @@ SmallPicture scale_down(std::span<const float> rgb, std::size_t width, std::size
 
 /// Live view of a run: picture so far, utilisation and power of the last interval.
 ///
-///   simulation thread: note() at a tile end, on request ──► copies ──► display thread: lines(), picture()
+///   simulation thread: publish_frame() at a tile end, on request ──► copies ──► display thread: lines(), picture()
 class LiveRun final : public View, public RunWatcher {
  public:
   /// Sets the configuration of the frames to show.
@@ -223,21 +223,21 @@ class LiveRun final : public View, public RunWatcher {
   sim::EnergyConfig energy_;
   std::map<std::string, sim::DeviceEvent> device_;
   sim::PowerScales scales_;
-  std::uint32_t width_ = 0, height_ = 0;  ///< size of the frame's picture
+  std::uint32_t width_ = 0, height_ = 0;  ///< size of the frame's picture in pixels
   std::vector<sim::UnitReport> units_;
   std::unique_ptr<sim::EnergyFormula> formula_;
   const sim::Intervals* intervals_ = nullptr;
   std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< largest picture that can be shown
   SmallPicture picture_;
   std::vector<std::uint64_t> before_,
-      row_;  ///< values at the start and end of the last complete interval; empty before the first
+      row_;  ///< values of all units at the start and end of the last complete interval; empty before the first
   sim::Time begin_ = 0, end_ = 0;
 };
 
-/// Calls run(); throws Interrupted if an interrupt leaves fewer than `frames_to_replace` frames.
+/// Calls run(). Throws Interrupted if fewer than `frames_to_replace` frames were finished before an interrupt.
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
                            Progress& progress) {
-  const HoldInterrupts hold;  // results exist before the folder does
+  const HoldInterrupts hold;  // results exist before their folder does
   try {
     RunResult result = run(frames, options);
     if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
@@ -248,7 +248,7 @@ RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::
   }
 }
 
-/// Returns the absolute path of --record. InputError if it would replace one of the run's own results.
+/// Returns the absolute path of --record. Throws InputError if it would replace one of the run's own results.
 std::filesystem::path record_file(const JobOptions& options, const std::filesystem::path& folder) {
   const std::string asked = "--record " + sim::printable(options.record.string());
   std::error_code failed;
@@ -261,7 +261,7 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
-/// Results to list on standard output.
+/// Which results to list on standard output.
 struct Announced {
   bool picture, timeline, reference;
 };

@@ -34,7 +34,7 @@ namespace {
 
 using sim::Json;
 
-/// `listed`: number of rays in the file.
+/// Returns `totals` of the report of a ray file. `listed`: number of rays in the file.
 Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
                const sim::EnergyReport& energy) {
   const std::uint64_t rays = machine.ray_count();
@@ -85,7 +85,7 @@ std::string rays_table(const Json& report) {
   return out;
 }
 
-/// Builds the report of the rays that `played` has finished.
+/// Returns the report on the rays that the machine `played` has finished.
 Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.unit_reports();
   const sim::EnergyReport energy =
@@ -159,7 +159,7 @@ namespace {
 
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
 
-/// Returns what is wrong with a ray; empty if nothing.
+/// Returns what is wrong with a ray; empty for a valid ray.
 std::string_view ray_problem(const traces::Ray& ray) {
   const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
   if (!finite(ray.origin)) return "origin is not finite";

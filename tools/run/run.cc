@@ -62,7 +62,7 @@ double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult
 
 namespace {
 
-/// Simulates the current frame and its reference, and adds them to `out`.
+/// Simulates the current frame and its reference, and adds their results to `out`.
 void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) {
   const Inputs& inputs = frames.inputs();
   const bool may_be_part = options.keep_part && out.frames.empty() && frames.has_whole_frames();
@@ -130,7 +130,7 @@ sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progr
 
 namespace {
 
-/// An option that needs whole frames, and why sampling and slices refuse it.
+/// An option that requires whole frames, and the reason why sampling and slices refuse it.
 struct OfWholeFrames {
   const char* option;
   bool (*is_given)(const JobOptions& options);

@@ -41,7 +41,7 @@ struct RunPlan {
   const Sliced* slice_settings() const { return std::get_if<Sliced>(&how); }
 };
 
-/// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.
+/// Returns the plan of the options of `raywatt run`. Throws InputError for options that exclude each other.
 RunPlan make_plan(const JobOptions& options);
 
 /// Results of a run: sums over its frames, and the report of each frame.
@@ -130,7 +130,7 @@ class PosedFrames : public FrameSource {
 /// Frames rendered from the scene. Host threads render tiles ahead of the simulated machine.
 class RenderedFrames final : public PosedFrames {
  public:
-  /// InputError if the frames cannot be split into the plan's slices.
+  /// Throws InputError if the frames cannot be split into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
   /// Number of concurrent slices; 1 for a whole frame.
   std::uint32_t slices() const { return std::max(1U, slices_); }

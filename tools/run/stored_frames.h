@@ -14,7 +14,7 @@ namespace tools {
 /// Frames read from a trace. Only the machine is simulated; there are no pictures.
 class StoredFrames final : public FrameSource {
  public:
-  /// InputError if the trace cannot be read or does not fit the configuration.
+  /// Throws InputError if the trace cannot be read or does not fit the configuration.
   StoredFrames(const std::filesystem::path& file, const JobOptions& options);
   /// Opens a trace for a complete configuration instead of options, with `replicates` simulations of each frame.
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,

@@ -25,7 +25,7 @@
 namespace tools {
 namespace {
 
-/// A frame program with its tile rates, executed without a machine.
+/// Executes a frame program with its tile rates, without a machine.
 struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
@@ -39,7 +39,8 @@ struct Recorder {
   }
 };
 
-/// Removes sampling from the report of a partial frame: a trace has it only for whole frames.
+/// Removes counts of adaptive sampling from the report of a partial frame, because a trace has them only for whole
+/// frames.
 void leave_out_sampling(sim::Json& report) {
   for (sim::Json* totals : {&report["totals"], &report["frames"].front()}) {
     totals->erase("traced_ratio");

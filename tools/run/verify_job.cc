@@ -36,7 +36,7 @@ std::string counts_text(const traces::VerifyCounts& counts) {
                      counts.distance_errors, counts.edge_ties);
 }
 
-/// `squared_error`: mean over the channels of the pictures.
+/// Returns the JSON of a comparison. `squared_error`: mean over all channels of the pictures.
 sim::Json comparison_json(const traces::VerifyCounts& counts, double squared_error) {
   const std::optional<double> psnr = psnr_db(squared_error);
   sim::Json json = counts_json(counts);
@@ -52,8 +52,8 @@ class Verification {
   const sim::Json& frames() const { return frames_; }
   double mean_squared_error() const { return squared_error_ / static_cast<double>(frames_.size()); }
 
-  /// Verifies all frames, or those before an interrupt; Interrupted if there are none. Writes both pictures of the
-  /// first.
+  /// Verifies all frames, or those before an interrupt; throws Interrupted if none was verified. Writes both pictures
+  /// of the first frame.
   void verify_all(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     try {
       do {
@@ -88,11 +88,11 @@ class Verification {
   }
 
   traces::VerifyCounts counts_;
-  double squared_error_ = 0;  ///< sum over frames
+  double squared_error_ = 0;  ///< mean squared error, summed over frames
   sim::Json frames_ = sim::Json::array();
 };
 
-/// Estimates the host seconds.
+/// Estimates the host seconds to verify the current frame.
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
   constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);

@@ -15,14 +15,15 @@
 namespace tools {
 namespace {
 
-/// A pilot traces one sample of each square. Sides of the square to try, until one divides the tile's side.
+/// A pilot traces one sample in each square of samples. The side of the square is the first of these that divides the
+/// side of a tile.
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
-/// Sides for guess_costs(), which needs less precision.
+/// Sides of the square for guess_costs(), which needs less precision.
 constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
-/// Host cost of a reflected or refracted ray besides its traversal, in traversal steps (docs/slices.md).
+/// Host time of a reflected or refracted ray in addition to its traversal, in traversal steps (docs/slices.md).
 constexpr std::uint64_t kStepsOfARay = 15;
 
-/// The frame with one sample per square and the same number of tiles.
+/// Returns the program of the thin picture: one sample per square, and the same number of tiles as the frame.
 kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
                                   std::span<const std::uint32_t> sides, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;
@@ -111,7 +112,7 @@ namespace {
 // the longest ray with cache hits.
 constexpr double kLaunchCycles = 10, kRayCycles = 20, kStepCycles = 12;
 
-/// Reads a line; true if it was a hit.
+/// Reads a line from a cache and fills it after a miss. Returns true for a hit.
 bool access_line(hw::CacheTags& tags, hw::Addr line) {
   if (tags.probe(line)) return true;
   tags.fill_line(line);

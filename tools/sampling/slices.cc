@@ -42,13 +42,13 @@ class SharedFrame {
     tiles_ += 1;
     if (progress_ != nullptr) progress_->set_tiles_done(tiles_, result_.all_rays(), 0);
   }
-  /// Adds the host times of one thread.
+  /// Adds the host times of one slice's thread to the results.
   void add_times(const RenderResult& rendered) {
     const std::lock_guard lock(mutex_);
     result_.seconds += rendered.seconds;
     result_.waited += rendered.waited;
   }
-  /// Returns the results after all threads have finished.
+  /// Returns the results of rendering. Call it after all threads have finished.
   RenderResult take_result() {
     result_.rgb = program_.take_picture();
     result_.sampling = program_.sampling();
@@ -100,7 +100,8 @@ class SlicePlayer {
   const std::vector<hw::KernelSchedule>& kernel_schedules() const { return scheduled_->kernels; }
   std::uint32_t tile_count() const { return tiles_; }
 
-  /// Simulates one slice; thread-safe for different slices. `workers` threads render ahead. sim::Deadlock, Interrupted.
+  /// Simulates one slice; thread-safe for different slices. `workers` threads render ahead. Throws sim::Deadlock,
+  /// Interrupted.
   PlayedSlice run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
                         std::uint32_t workers) const {
     const double begin = sim::thread_seconds();
@@ -160,10 +161,11 @@ class SlicePlayer {
   const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
 };
 
-/// Automatic length of slices in leads: leads cost less than a tenth, in small frames up to 15 %.
+/// Length of slices, in leads, if their number is automatic: leads then cost less than a tenth of the time, in small
+/// frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
 
-/// Simulates all slices, `threads` at a time. Further threads render ahead.
+/// Simulates all slices, `threads` at a time. Threads in excess of the number of slices render ahead.
 std::vector<PlayedSlice> run_all_slices(const SlicePlayer& player, SharedFrame& frame, const traces::Tracer& tracer,
                                         std::span<const Slice> slices, std::uint32_t threads) {
   const std::uint32_t at_once = std::min(threads, static_cast<std::uint32_t>(slices.size()));
@@ -190,7 +192,7 @@ void check_sliceable(const kernels::RenderConfig& render) {
   }
 }
 
-/// A frame, its program and tracer, and its slices.
+/// The frame program of a frame, its tracer, and the slices of the frame.
 struct SlicedProgram {
   SlicedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads, std::uint32_t slices)
       : tracer(inputs.image),
@@ -204,10 +206,10 @@ struct SlicedProgram {
   const std::vector<Slice> plan;
 };
 
-/// Half-width of the error of a border that the probes do not show, in tiles (docs/slices.md).
+/// Half-width, in tiles, of the error at a border between slices that probes cannot measure (docs/slices.md).
 constexpr double kBorderError = 4;
 
-/// Work of a machine in units that rendering counts as well.
+/// Work that a machine has done, in quantities that rendering counts, too: traversal steps and rays.
 struct Work {
   double steps = 0, rays = 0;
   explicit Work(std::span<const sim::UnitReport> reports) {
@@ -247,7 +249,8 @@ void scale_counts(MachineSpan& all, double factor) {
   }
 }
 
-/// Adds times and counters to the first slice. Returns the half-widths over all borders.
+/// Adds times and counters of all slices to the first one. Returns the half-widths of the error of time and energy,
+/// over all borders.
 Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
   Probe error;
   const auto add_error = [probe](double& sum, double filled, double under_way) {
@@ -261,8 +264,8 @@ Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
   return error;
 }
 
-/// Joins all slices to a frame: sums of times and counters, and an interval from the differences at borders
-/// (docs/slices.md). `function`: results of rendering the frame.
+/// Joins all slices to the result of a frame: sums of times and counters, and an interval from the differences at
+/// borders (docs/slices.md). `function`: result of rendering the frame.
 FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
                        std::vector<PlayedSlice> played) {
   const RunConfig& config = player.inputs().config;
@@ -317,7 +320,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked) {
   check_sliceable(config.render);
-  const traces::MemoryImage no_scene;  // the tiles do not depend on the scene
+  const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
@@ -418,7 +421,7 @@ namespace {
 
 using sim::Json;
 
-/// Keys of counts of kernels, sampling and slices.
+/// JSON keys of counts of kernels, sampling and slices.
 constexpr std::pair<const char*, std::uint64_t hw::KernelUse::*> kKernelCounts[] = {
     {"launches", &hw::KernelUse::launches},
     {"items", &hw::KernelUse::items},
@@ -433,7 +436,7 @@ constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCo
 constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Parses counts and lists of them.
+/// Parse a count, and a list of `size` counts.
 std::uint64_t count_in(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
 const Json& list_in(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;

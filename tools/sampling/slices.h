@@ -63,14 +63,14 @@ SlicePart read_slice(const sim::Json& json, MachineSpan nothing);
 /// Number of slices that means: choose it from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
-/// Parses "8", or "auto" for kAutoSlices; InputError otherwise.
+/// Parses "8", or "auto" for kAutoSlices; throws InputError otherwise.
 std::uint32_t parse_slices(const std::string& text);
 
 /// Throws InputError for a program whose frames cannot be split.
 void check_slices(const kernels::ProgramSpec& program);
 
-/// Returns the number of slices of a frame. With kAutoSlices the number depends only on frame and machine. InputError
-/// if the frame cannot be split into `asked` slices.
+/// Returns the number of slices of a frame. With kAutoSlices the number depends only on frame and machine. Throws
+/// InputError if the frame cannot be split into `asked` slices.
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked);
 
 /// As simulate_frame(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
@@ -81,8 +81,8 @@ FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pr
 /// Simulates slice `index` (from 0) of `slices` alone. Returns its results for join_slices().
 sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          std::uint32_t slices, std::uint32_t index);
-/// Joins the results of all slices, in order: the result of simulate_slices() without the picture. InputError if they
-/// are not the slices of this frame.
+/// Joins the results of all slices, in order: the result of simulate_slices() without the picture. Throws InputError if
+/// they are not the slices of this frame.
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Describes a frame that was simulated as a whole as a frame with one slice.

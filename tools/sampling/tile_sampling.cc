@@ -34,14 +34,15 @@ struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
   std::vector<hw::KernelUse> kernels;
-  TileTraits traits;  ///< traits of the work in this part
+  TileTraits traits;  ///< traits of the work in the measured part
 };
 
 /// One run of a list of blocks on one machine.
 struct SampledRun {
-  MeasuredPart begin, end;  ///< counters of the first and last block, measured directly
+  /// Counters of the first and of the last block, which are the start and end of the frame.
+  MeasuredPart begin, end;
   std::vector<MeasuredPart> parts;
-  std::vector<sim::UnitReport> units;  ///< of the whole run
+  std::vector<sim::UnitReport> units;  ///< reports of the units after the whole run
   std::vector<hw::KernelSchedule> kernels;
   sim::Time elapsed = 0;
   sim::Time cycle = 0;  ///< period of the T&I clock
@@ -49,7 +50,7 @@ struct SampledRun {
   double warming_seconds = 0;
 };
 
-/// Returns the difference of two marks.
+/// Returns time and counters between two marks.
 MeasuredPart difference_of(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::subtract_reports(part.units, a.units);
@@ -57,8 +58,8 @@ MeasuredPart difference_of(const Mark& a, const Mark& b) {
   return part;
 }
 
-/// Traits of the work in a part: counted by the machine where it does, else those of the tiles in flight, weighted by
-/// the share of their time in the part.
+/// Returns the traits of the work in a measured part. Traits that the machine counts are exact; others are sums over
+/// the tiles in flight, weighted by the share of each tile's time within the part.
 TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
                      std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
   TileTraits sum;
@@ -122,7 +123,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   return run;
 }
 
-/// Returns the weighted sum of the parts. Peaks are the largest of the simulated parts.
+/// Returns the weighted sum of time and counters of the measured parts. Peaks are the largest of the simulated parts.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run) {
   const auto sum = [&](auto&& of) {
@@ -142,7 +143,7 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
       if (counter.kind != sim::CounterKind::kPeak)
         counter.value = round_count(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
     }
-    // Reasons are scaled to add up to the unit's time; the largest takes the rounding difference.
+    // Cycle reasons are scaled so that they add up to the unit's time; the largest absorbs the rounding difference.
     unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
     std::vector<double> spent;
     for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
@@ -192,7 +193,8 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
   return {values.data(), static_cast<Index>(values.size())};
 }
 
-/// Traits per size, standardised over the parts. Traits that are equal in all parts are 0.
+/// Traits per size of the parts and of the whole, standardised over the parts. Traits that are equal in all parts
+/// become 0.
 struct Traits {
   Eigen::MatrixXd parts;  ///< one row per part
   Eigen::VectorXd whole;
@@ -247,8 +249,8 @@ double SampleWeights::half_width(std::span<const double> observed) const {
 namespace {
 
 constexpr double kRidge = 0.2;
-/// Half-width of the systematic error, relative: neighbours other than in the frame, caches not quite warm, totals of
-/// the pilot (docs/sampling.md).
+/// Relative half-width of the systematic error of sampling. Causes: other neighbouring tiles than in the frame, caches
+/// that are not quite warm, errors of the pilot's totals (docs/sampling.md).
 constexpr double kModelError = 0.01;
 /// Largest share of the frame's work to sample; a frame that needs more is simulated whole.
 constexpr double kMostShare = 0.4;
@@ -273,18 +275,18 @@ struct Estimates {
   MeasuredPart whole;
   Interval time, energy;
   std::map<std::string, Interval> counters;
-  /// Larger relative half-width of time and energy.
+  /// Returns the larger one of the relative half-widths of time and energy.
   double relative_width() const {
     return std::max(time.half_width() / time.estimate, energy.half_width() / energy.estimate);
   }
 };
 
-/// Results of a run of all tiles, which are exact.
+/// Returns the results of a run of all tiles, which are exact.
 Estimates exact_estimates(const SampledRun& run) {
   return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}};
 }
 
-/// Returns the interval of an estimate from the values `seen` in the parts.
+/// Returns an estimate with its 95 % interval, from the values `seen` in the measured parts.
 Interval interval_around(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }
@@ -327,13 +329,14 @@ Estimates estimate_frame(const Inputs& inputs, const Pilot& pilot, const TilePla
   return e;
 }
 
-/// Copies everything except the picture.
+/// Copies a render result without its picture.
 void copy_counts(const RenderResult& from, RenderResult& to) {
   to = from;
   to.rgb.clear();
 }
 
-/// Blocks are as long as the number of tiles in flight, with which their neighbours overlap.
+/// Returns the lengths of blocks for a machine. The measured part of a block is as long as the number of tiles in
+/// flight on the machine.
 PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
@@ -353,14 +356,14 @@ void count_round(const SampledRun& run, SampledFrame& sampled) {
   for (const MeasuredPart& part : run.parts) sampled.measured += round_count(part.traits.tiles);
 }
 
-/// Share of the next round if intervals are `off` times too wide. Limited to twice the share so far, because the
-/// estimate of `off` may be poor.
+/// Returns the share of the frame's work to simulate in the next round if intervals are `off` times too wide. It is at
+/// most twice the share `spent` so far, because `off` is a rough estimate.
 double next_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;
 }
 
-/// Copies the estimates into the result.
+/// Copies the estimates of a frame into its result.
 void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled,
                    FrameResult& s) {
   const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };

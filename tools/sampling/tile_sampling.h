@@ -21,7 +21,7 @@ struct TileSampling {
   bool full_image = true;  ///< render all tiles, including those that are not simulated
 };
 
-/// Parses "5%" or "auto", "full" or "none"; InputError otherwise.
+/// Parses "5%" or "auto", "full" or "none"; throws InputError otherwise.
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image);
 
 /// Throws InputError for a program whose tiles cannot be sampled.

@@ -87,8 +87,8 @@ const Mark& TimedTiles::mark_at(std::uint32_t tile) const { return *std::ranges:
 
 namespace {
 
-/// Cache bytes per sample of warming tiles: of the L2, and of all first-level caches. Both give eight tiles of 16 x 16
-/// samples for the default machine.
+/// Bytes of cache that one sample of a warming tile fills: in the L2, and in all first-level caches. Both give eight
+/// warming tiles of 16 x 16 samples for the default machine.
 constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
 }  // namespace
@@ -138,12 +138,12 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
 
 namespace {
 
-/// Tiles of a lead per three tiles in flight. The first tiles start together, unlike those in the middle of a frame;
-/// the lead lasts until this effect has decayed (docs/slices.md).
+/// Length of a lead, in tiles per three tiles in flight. The first tiles of a machine start together, unlike tiles in
+/// the middle of a frame; the lead lasts until this effect has decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
-/// Below these lengths, in leads, frames and slices get leads of twice the length, because border errors are a larger
-/// part of their time (docs/slices.md).
+/// Frames and slices shorter than this number of leads get leads of twice the length, because errors at borders are a
+/// larger share of their time (docs/slices.md).
 constexpr std::uint32_t kLeadsOfASmallFrame = 50, kLeadsOfAShortSlice = 5;
 
 }  // namespace
@@ -167,11 +167,12 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
   for (std::uint32_t k = 1; k <= count; ++k) {
     const double share = up_to.back() * k / count;
     const auto fair = static_cast<std::uint32_t>(std::ranges::lower_bound(up_to, share) - up_to.begin()) + 1;
-    const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves enough tiles for the others
+    const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves enough tiles for the remaining slices
     const std::uint32_t end = k == count ? tiles : std::clamp(fair, first + shape.lead, last);
     const std::uint32_t lead = std::min(wanted, first);
     slices.push_back(
-        {first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});  // leads warm the caches, too
+        // tiles of the lead warm the caches, too
+        {first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});
     first = end;
   }
   return slices;

@@ -30,18 +30,19 @@ namespace tools {
 
 class InMemoryTrace;
 
-/// Results of a frame program, independent of the machine.
+/// What a frame program computes, independent of the machine: picture, and counts of work.
 struct RenderResult {
-  std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by keep_picture()
+  std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by finish_picture()
   kernels::Sampling sampling;              ///< set together with rgb
   std::vector<kernels::SampleMark> marks;  ///< set together with rgb, if the program keeps marks
-  kernels::TileSummaries summaries;        ///< of the tiles taken so far, if itemised
-  std::vector<kernels::PixelWork> pixels;  ///< if itemised, by rows; empty for a program without a picture
+  kernels::TileSummaries summaries;        ///< summaries of the tiles taken so far, if itemised
+  /// Work of each pixel by rows, if itemised; empty for a program without a picture.
+  std::vector<kernels::PixelWork> pixels;
   std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
   std::uint64_t continued = 0;  ///< rays that continued behind a transparent surface
   std::uint64_t traversal_steps = 0;
-  double seconds = 0;  ///< host time summed over threads
-  double waited = 0;   ///< host time that the caller of next() was blocked
+  double seconds = 0;  ///< host seconds of rendering, summed over threads
+  double waited = 0;   ///< host seconds in which the caller of next() was blocked
   std::uint64_t all_rays() const;
   /// Adds the counts of another frame. The picture and the data of tiles and pixels stay.
   void add(const RenderResult& other);
@@ -63,18 +64,18 @@ class FrontEnd final : public hw::TileSource {
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   const RenderResult& result() const { return result_; }
-  /// Picture of the tiles taken so far.
+  /// Returns the picture of the tiles that next() has returned so far.
   const std::vector<float>& picture_so_far() const { return result_.rgb.empty() ? program_.picture() : result_.rgb; }
-  /// Sets the picture in result() for an unfinished frame. No tile may be taken afterwards.
+  /// Sets the picture in result() for an unfinished frame. next() must not be called afterwards.
   void finish_picture();
 
  private:
   struct Slot {
     kernels::TileResult tile;
     double seconds = 0;
-    std::uint64_t bytes = 0;  ///< size of its arrays, once ready
+    std::uint64_t bytes = 0;  ///< size of the tile's arrays, set when the tile is ready
     bool ready = false;
-    std::exception_ptr failure;  ///< exception of its execution
+    std::exception_ptr failure;  ///< exception thrown by the execution of the tile
   };
   void run_ahead();
   bool may_execute() const {
@@ -103,21 +104,21 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles in execution or finished, in order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< tiles that the machine holds
   std::vector<std::unique_ptr<Slot>> spare_;
-  std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that are not taken
+  std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned
   std::size_t slots_ = 0;                  ///< number of slots in all three lists
   std::array<std::size_t, 13> longest_{};  ///< maximum sizes of the arrays of a tile so far
-  kernels::TileBuffer buffer_;             ///< for the thread that calls next()
+  kernels::TileBuffer buffer_;             ///< scratch memory of the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;
-  std::uint32_t pass_end_ = 0;  ///< end of the tiles that may be executed now
+  std::uint32_t pass_end_ = 0;  ///< end of the tiles of the current pass, which may be executed
   std::size_t max_ahead_;
   bool stop_ = false;
   std::exception_ptr failure_;  ///< exception while the slot of next_tile_ was allocated
   std::vector<std::thread> threads_;
 };
 
-/// Receives a frame while it is simulated. The simulation thread calls it at tile ends, only when a frame was
-/// requested, so that thread reads no clock.
+/// Receives pictures of a frame during its simulation. The simulation thread calls it at the end of a tile, only if a
+/// picture was requested, so that this thread reads no clock.
 class RunWatcher {
  public:
   virtual ~RunWatcher() = default;
@@ -131,7 +132,7 @@ class RunWatcher {
   std::atomic<bool> requested_{false};
 };
 
-/// Sums over earlier front ends that executed tiles of the same frame.
+/// Progress of a frame whose tiles several front ends execute in turn: sums over the earlier front ends.
 struct ProgressBase {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;
@@ -145,8 +146,8 @@ struct ProgressBase {
 /// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: number of tiles. `former`: sums over earlier tiles of the same progress part, which this object
-  /// continues.
+  /// `tiles`: number of tiles. `former`: sums over the tiles that earlier objects passed in the same part of the
+  /// progress.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}

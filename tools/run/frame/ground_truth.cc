@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Frame numbers seed the samples; no frame has this number.
+/// Seed of the ground truth's samples. Other pictures use the frame number as seed, and no frame has this number.
 constexpr std::uint32_t kOtherSeed = 0x80000000U;
 constexpr std::uint64_t kDigestBytes = 4096;
 
-/// Restores a value in the destructor.
+/// Sets a variable to another value and restores it in the destructor.
 template <class T>
 class Restored {
  public:

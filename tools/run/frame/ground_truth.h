@@ -12,7 +12,7 @@ namespace tools {
 ///
 /// The picture is cached as EXR in `cache`. Its file name is a hash of scene, camera, frame, the groups `scene` and
 /// `render`, samples and model id. A digest file validates it; a picture without a valid digest is rendered again.
-/// `inputs` are unchanged on return. Interrupted if an interrupt is pending.
+/// `inputs` are unchanged on return. Throws Interrupted if an interrupt is pending.
 std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
                                 const std::filesystem::path& cache, Progress* progress = nullptr);
 

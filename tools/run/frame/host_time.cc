@@ -15,14 +15,14 @@
 namespace tools {
 namespace {
 
-constexpr double kLong = 60;                       // seconds from which a hint is printed
+constexpr double kLong = 60;                       // host seconds above which a hint is printed
 constexpr std::uint32_t kAcross = 24, kDown = 12;  // largest size of the test picture in pixels
 constexpr std::uint32_t kOneOf = 3;                // test picture of a small frame: a third of its columns and rows
-constexpr double kSlowestStep = 4e-6;              // seconds; chosen: hairball at 96x64 takes 3.5 us
+constexpr double kSlowestStep = 4e-6;              // host seconds per step; chosen: hairball at 96x64 takes 3.5 us
 constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles simulated to measure the rate
 constexpr std::uint32_t kOneTileOf = 50;                     // one tile in 50 is simulated: 2 % of a large frame
 
-/// Passes tiles on; counts their steps and measures the time to execute them.
+/// Passes tiles to the machine, counts their traversal steps and measures the host time to execute them.
 class MeasuredTiles final : public hw::TileSource {
  public:
   explicit MeasuredTiles(FrontEnd& source) : source_(source) {}
@@ -44,7 +44,7 @@ class MeasuredTiles final : public hw::TileSource {
   std::uint64_t steps_ = 0;
 };
 
-/// Returns the middles of `count` equal parts of a list of `all` entries.
+/// Returns `count` indices that are spread evenly over a list of `all` entries.
 std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint64_t k = 0; k < count; ++k) {

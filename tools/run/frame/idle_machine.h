@@ -9,8 +9,8 @@ struct GpuConfig;
 
 namespace tools {
 
-/// Returns every unit of a machine before its first cycle: blocks, storage, reasons, and counters with their costs.
-/// `rasterises`: the machine has rasterisers.
+/// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
+/// their energy events. `rasterises`: the machine has rasterisers.
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
 
 }  // namespace tools

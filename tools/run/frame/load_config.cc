@@ -95,7 +95,8 @@ void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& 
   }
 }
 
-/// Applies options and checks the result. `origin`: name of the configuration in errors.
+/// Applies --set and other options to a configuration and checks the result. `origin`: name of the configuration in
+/// errors.
 void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options,
                 const std::string& origin) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
@@ -121,7 +122,7 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
   check_power(config);
 }
 
-/// Keys, by prefix, that have no effect for some values of other keys.
+/// A group of keys that have no effect for some values of other keys.
 struct IneffectiveKeys {
   std::string_view keys;
   bool (*is_ineffective)(const RunConfig& config);
@@ -156,7 +157,7 @@ constexpr std::array kIneffectiveKeys = {
     IneffectiveKeys{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
                     "without scene.camera_path=orbit"}};
 
-/// True for a key that gives other keys their effect.
+/// True for a key that turns other keys on or off.
 bool is_switch(std::string_view key) {
   return key.ends_with(".source") || key == "slc.size" || key == "background.rate";
 }
@@ -247,7 +248,8 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
     add_grade_warning(set, out);
   }
   const bool is_on_grid = options.program.starts_with("multirate") || options.program == "undersample";
-  const bool has_one_sample = options.reference == "full:1";  // at the pixel's centre with any pattern
+  // one sample is at the pixel's centre with any pattern
+  const bool has_one_sample = options.reference == "full:1";
   if (is_on_grid && !options.reference.empty() && !has_one_sample &&
       config.render.samples != kernels::SamplePattern::kRegular) {
     out.push_back(fmt::format("{} takes its samples in a regular grid, {} does not with this render.samples",
@@ -279,7 +281,7 @@ struct Cache {
   std::string path;
   hw::CacheConfig& cache;
   std::uint64_t hz;
-  std::uint32_t around;  ///< cycles of a hit in addition to the array's
+  std::uint32_t around;  ///< cycles of a hit in addition to the time to read the array
 };
 
 /// Returns the caches whose hit_cycles is `auto`.
@@ -306,7 +308,7 @@ const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::strin
   return table.curve_of(kCurve);
 }
 
-/// An entry that no cache reads is a misspelling.
+/// Throws InputError for an entry of the latency table that no cache uses, which must be a misspelling.
 void check_names(const sim::EnergyTable& table) {
   for (const std::string& name : table.event_names()) {
     if (name == kCurve) continue;
@@ -355,7 +357,7 @@ std::vector<std::string> latency_warnings(const RunConfig& config) {
 
 namespace {
 
-/// The rasteriser of a frame that does not use one: its table entries are still valid.
+/// Returns the report of a rasteriser for a frame that has none, so that table entries of rasterisers remain valid.
 sim::UnitReport absent_rasteriser() {
   sim::UnitReport unit;
   unit.path = hw::name_in_core(hw::RasterUnit::kName, 0);

@@ -27,7 +27,7 @@ namespace tools {
 
 struct RunConfig;
 
-/// Hit latency over the size of a cache: one file of configs/latency.
+/// Table of the hit latency of caches over their size: the contents of a file in configs/latency.
 struct LatencyConfig {
   std::string process = "unnamed";
   std::map<std::string, sim::Band> arrays;
@@ -45,7 +45,8 @@ struct LatencyConfig {
   }
 };
 
-/// Sets the hit latency of caches with hit_cycles `auto` from size and clock. InputError without a curve.
+/// Computes hit_cycles of caches that have `auto`, from the cache's size and clock. Throws InputError if the table has
+/// no curve.
 void set_hit_cycles(RunConfig& config);
 
 /// True if a cache has hit_cycles `auto`.
@@ -75,7 +76,7 @@ struct RunConfig {
 };
 
 /// Loads the configuration of a run: the file, the workload if --scene names one, then --set, --scene, --camera,
-/// --frames and --resolution. InputError.
+/// --frames and --resolution. Throws InputError.
 RunConfig load_run_config(const JobOptions& options);
 
 /// Returns a warning for each setting of the command line that has no effect.
@@ -85,29 +86,30 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
 void check_scene(const std::string& name);
 
 // First step of load_run_config(); ConfigVariants performs the others.
-/// Loads the file, then the workload if `scene` names one. A process among `sets` replaces the file's. The result is
-/// not checked.
+/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the one of the
+/// file. The result is not checked.
 RunConfig load_base_config(const std::string& config, const std::string& scene,
                            const std::vector<std::string>& sets = {});
 
 // Last steps of load_run_config(), for configurations from other sources.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
-/// Checks limits and rules, and that there are energy values. `origin`: name of the configuration in errors.
+/// Checks the limits of all keys, the rules between keys, and that there are energy values. `origin`: name of the
+/// configuration in errors.
 void check_run_config(RunConfig& config, const std::string& origin);
 
 /// Applies options to a base configuration repeatedly; the cost is proportional to the changes.
 class ConfigVariants {
  public:
-  /// `origin`: name of the base in errors.
+  /// `origin`: name of the base configuration in errors.
   ConfigVariants(RunConfig base, std::string origin);
   ConfigVariants(const ConfigVariants&) = delete;
   ConfigVariants& operator=(const ConfigVariants&) = delete;
 
-  /// Returns the base with the options applied and checked; valid until the next call. InputError.
+  /// Returns the base with the options applied and checked; valid until the next call. Throws InputError.
   const RunConfig& apply(const JobOptions& options);
-  /// The configuration of the last call.
+  /// Returns the configuration made by the last call of apply().
   const RunConfig& config() const { return config_; }
-  /// Returns sim::config_hash() of that configuration.
+  /// Returns sim::config_hash() of the configuration made by the last call of apply().
   std::string hash(std::optional<sim::Affects> only) const { return variant_.hash(only); }
 
  private:
@@ -123,5 +125,5 @@ void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& 
 
 }  // namespace tools
 
-/// Instantiated only in load_config.cc because the machine has many keys.
+/// Instantiated only in load_config.cc, because compilation is slow: the machine has many keys.
 extern template sim::ConfigNode sim::config_tree(tools::RunConfig& config);

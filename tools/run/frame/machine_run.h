@@ -10,14 +10,14 @@
 
 namespace tools {
 
-/// A frame without tiles, for machines that are built but not run.
+/// Source without tiles, for machines that are built but not run.
 class NoTiles final : public hw::TileSource {
  public:
   const traces::TileWork* next() override { return nullptr; }
   void give_back(const traces::TileWork* /*work*/) override {}
 };
 
-/// Builds the machine of `inputs`.
+/// Builds the machine that `inputs.config` describes.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
                                   hw::Observer* observer = nullptr);
@@ -31,19 +31,19 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
 /// Throws InputError if the machine's units and the tables of energy and area do not match.
 void check_tables(const hw::Gpu& gpu, const RunConfig& config);
 
-/// Runs the machine until all tiles are done or it is stopped. sim::Deadlock if the machine is stuck.
+/// Runs the machine until all tiles are done or it is stopped. Throws sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
 /// Returns the energy of the machine so far.
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
 
-/// Returns the energy of the units' counts over `elapsed`.
+/// Returns the energy of units with these counts after the time `elapsed`.
 sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config);
 
-/// Copies the results of a finished machine into `s`.
+/// Copies time, counters and energy of a finished machine into `s`.
 void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s);
 
-/// A machine that simulates recorded work.
+/// Configuration of a machine that simulates recorded work.
 struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
@@ -51,9 +51,9 @@ struct MachineVariant {
   std::shared_ptr<const hw::CacheContents> start{};  ///< lines in its caches; null: as frame.start of `config` says
 };
 
-/// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`:
-/// results that are equal for all. `what`: name in the progress. An exception of one machine ends all: sim::Deadlock,
-/// Interrupted.
+/// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`: a
+/// result that supplies everything that does not depend on the machine. `what`: name of the work in the progress. An
+/// exception of one machine (sim::Deadlock, Interrupted) ends all.
 std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                            const InMemoryTrace& work, const FrameResult& plain,
                                            std::span<const MachineVariant> plays, const char* what,

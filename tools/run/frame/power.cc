@@ -29,7 +29,7 @@ const sim::VoltageCurve& curve_of(const Curves& curves, const ClockDomain& domai
 
 std::string clock_text(std::uint64_t hz) { return sim::quantity_text(hz, sim::frequency_units()); }
 
-/// Relative difference below which voltages are equal: rounding.
+/// Relative difference due to rounding, below which two voltages count as equal.
 constexpr double kVoltRounding = 1e-9;
 
 }  // namespace

@@ -22,25 +22,26 @@ struct ClockDomain {
 };
 const std::array<ClockDomain, 3>& clock_domains();
 
-/// Returns the voltage that a domain needs for its clock by power.dvfs. InputError without a curve.
+/// Returns the voltage that a domain needs for its clock by power.dvfs. Throws InputError without a curve.
 double voltage_needed(const RunConfig& config, const ClockDomain& domain);
 
 /// Returns the energy scale factors of each block at the configured voltage and temperature.
 sim::PowerScales power_scales(const RunConfig& config);
 
-/// Returns the configuration with the clocks of `domains` times a factor, each at the voltage that it needs. `origin`:
-/// name of the factor in errors.
+/// Returns a configuration in which the clocks of `domains` are multiplied by `factor` and each domain has the voltage
+/// that its clock needs. `origin`: name of the factor in errors.
 RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
                     const std::string& origin);
 
-/// Returns the nominal leakage of the chip, without the memory, in mW. `energy` is that of a frame of `ms`.
+/// Returns the nominal leakage power of the chip, without the memory, in mW. `energy`: energy of a frame that takes
+/// `ms` milliseconds.
 double chip_leakage_mw(const sim::EnergyReport& energy, double ms);
 
-/// Returns a warning for each clock that needs another voltage than its energies use, that is outside its curve, or
-/// that needs more than power.max_voltage.
+/// Returns a warning for each clock whose energies hold at another voltage than it needs, that is outside its voltage
+/// curve, or that needs more than power.max_voltage.
 std::vector<std::string> power_warnings(const RunConfig& config);
 
-/// Throws InputError for invalid curves, curves of unknown domains, and missing curves.
+/// Throws InputError for invalid voltage curves, curves of unknown clock domains, and missing curves.
 void check_power(const RunConfig& config);
 
 }  // namespace tools

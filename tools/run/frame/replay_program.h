@@ -42,18 +42,19 @@ class ReplayProgram final : public kernels::FrameProgram {
   kernels::Sampling sampling_;
   std::uint32_t kept_ = 0;
   std::uint64_t rays_ = 0;
-  std::vector<bool> seen_;  ///< by tile number
+  std::vector<bool> seen_;  ///< tile numbers seen so far
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< free cursors
 };
 
-/// Bounds of what the work of a trace may refer to; null for other programs.
+/// Returns the bounds of nodes, triangles and addresses to which the work of a replayed trace may refer; null for other
+/// programs.
 const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 
 /// The recorded work of a frame in memory, encoded as in a trace file: some hundred bytes per sample.
 class InMemoryTrace {
  public:
-  /// add() throws InputError above `most_bytes`; `kept_for`: the option or verb that the error names.
+  /// add() throws InputError if the trace exceeds `most_bytes`; `requested_by`: option or verb that the error names.
   InMemoryTrace(traces::TileScope scope, std::uint64_t most_bytes, std::string requested_by)
       : scope_(std::move(scope)), most_bytes_(most_bytes), requested_by_(std::move(requested_by)) {}
 
@@ -72,8 +73,8 @@ class InMemoryTrace {
   std::vector<std::string> tiles_;
 };
 
-/// Frame program that decodes tiles from memory instead of rendering them, for a front end without workers. Throws
-/// Interrupted.
+/// Frame program that decodes tiles from memory instead of rendering them. The front end must have no worker threads.
+/// Throws Interrupted.
 class InMemoryTraceProgram final : public kernels::FrameProgram {
  public:
   /// `on_tile` is called after each tile.
@@ -94,7 +95,7 @@ class InMemoryTraceProgram final : public kernels::FrameProgram {
   mutable traces::TileDecoder decoder_;
 };
 
-/// Tracer for work that is not rendered.
+/// Tracer that does nothing, for frame programs that do not render.
 class NoTracer final : public traces::Tracer {
  public:
   void trace(std::span<const traces::Ray> /*rays*/, traces::RayKind /*kind*/, std::span<traces::Hit> /*hits*/,

@@ -27,7 +27,7 @@
 namespace tools {
 namespace {
 
-/// Returns empty memory for the frame's work. `kept_for`: option or verb in errors.
+/// Returns an empty in-memory trace for the work of a frame. `requested_by`: option or verb in errors.
 InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                    const kernels::FrameProgram& frame, const char* requested_by) {
   traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
@@ -38,14 +38,14 @@ InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameReq
   return {std::move(scope), inputs.config.limits.memory.bytes, requested_by};
 }
 
-/// Begins a part of the trace, if there is a trace.
+/// Begins the frame's part of the trace, if a trace is recorded.
 void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const SimulateOptions& extras) {
   if (extras.trace == nullptr) return;
   extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
                            traces::counts_of(inputs.image), requirements);
 }
 
-/// Returns the render settings of the frame.
+/// Returns the render settings of a frame, or of its reference.
 kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
   return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
 }

@@ -36,11 +36,11 @@ namespace tools {
 
 class RunWatcher;
 
-/// All inputs of a run, as of one frame.
+/// All inputs of a run, in the state of the current frame.
 struct Inputs {
   RunConfig config;
   traces::SceneInfo scene;
-  std::string scene_sha256, bvh_hash;  ///< hash of the tree of the first frame
+  std::string scene_sha256, bvh_hash;  ///< hash of the scene file; hash of the BVH of the first frame
   std::vector<std::string> warnings;
   std::uint32_t frame = 0;
   float scene_size = 1;  ///< longest side of the scene's bounding box in frame 0
@@ -54,15 +54,15 @@ struct Inputs {
   std::uint32_t frames() const { return config.scene.last_frame - config.scene.first_frame + 1; }
 };
 
-/// Loads scene and configuration and builds the tree of the first frame. InputError, Interrupted.
+/// Loads scene and configuration and builds the BVH of the first frame. Throws InputError or Interrupted.
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
 /// Prints warnings to stderr, above a progress bar. No effect if `progress` is null.
 void print_warnings(const std::vector<std::string>& lines, Progress* progress);
-/// Returns the keys that load_inputs() depends on, with their values: equal texts, equal inputs.
+/// Returns a text of all keys and values that load_inputs() depends on. Equal texts mean equal inputs.
 std::string inputs_key(const RunConfig& config);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
-/// last frame. Interrupted if an interrupt is pending.
+/// last frame. Throws Interrupted if an interrupt is pending.
 bool advance_frame(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
 /// Calls `call()` for each frame, starting with the current one.
 void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, auto&& call) {
@@ -81,24 +81,26 @@ struct Interval {
   void add(const Interval& other);
 };
 
-/// Tile sampling of one or several frames (tile_sampling.h).
+/// Statistics and estimates of one or several frames simulated with tile sampling (tile_sampling.h).
 struct SampledFrame {
   std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
   double asked = 0;  ///< requested share of the frame's work; 0: automatic
   Interval cycles, energy_pj;
-  std::map<std::string, Interval> counters;  ///< sums over similar units by path; empty if all tiles were simulated
+  /// Counters summed over units of the same kind, by path; empty if all tiles were simulated.
+  std::map<std::string, Interval> counters;
   double pilot_seconds = 0, warming_seconds = 0;  ///< host
   void add(const SampledFrame& other);
 };
 
-/// Slices of one or several frames with the same number of slices (slices.h).
+/// Statistics and estimates of one or several frames simulated in slices (slices.h), all with the same number of
+/// slices.
 struct SlicedFrame {
   std::uint32_t slices = 1;
   std::uint64_t tiles = 0, again = 0,
                 warmed = 0;  ///< all tiles; tiles simulated again to fill a machine; tiles that warm its caches
   Interval cycles, energy_pj;
-  std::vector<double> seconds;  ///< host processor time of each slice's thread
-  double timing_seconds = 0;    ///< host processor time of all slices, without executing tiles
+  std::vector<double> seconds;  ///< host CPU seconds of each slice's thread
+  double timing_seconds = 0;    ///< host CPU seconds of all slices, without the execution of tiles
   void add(const SlicedFrame& other);
 };
 
@@ -127,11 +129,11 @@ struct FrameResult {
   hw::TileAccount rest;                             ///< with SimulateOptions::itemised: activity that no tile requested
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
-  /// Adds the results of a later frame. The picture stays.
+  /// Adds the results of a later frame. The picture remains that of the first frame.
   void add(const FrameResult& frame);
 };
 
-/// Returns the render settings of the reference of a run: effects at the full rate.
+/// Returns the render settings of a run's reference, which renders all effects at the full rate.
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
 
 /// Returns the number of tiles per row and column of the current frame.
@@ -140,7 +142,7 @@ kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec
 /// Options of simulate_frame() and render_frame().
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< tile rates carried from frame to frame, if any
-  bool marks = false;                 ///< keep the origin of every sample, for pictures
+  bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
   bool keep_part = false;             ///< an interrupt keeps the finished tiles, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< receives the frame's work
@@ -187,7 +189,7 @@ class RecordedFrame {
   std::unique_ptr<Work> work_;
 };
 
-/// Simulates the tiles of a given frame program and tracer; the second half of simulate_frame().
+/// Simulates the tiles of a given frame program with a given tracer; simulate_frame() does this after it has made both.
 FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
                              const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras = {});
 
@@ -195,7 +197,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
 RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                           std::uint32_t threads, const SimulateOptions& extras = {});
 
-/// Returns `wanted`, or the number of host threads if it is 0.
+/// Returns `wanted`, or the number of threads of the host if `wanted` is 0.
 std::uint32_t host_threads(std::uint32_t wanted);
 
 }  // namespace tools

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPicojoulesPerJoule = 1e12;
 constexpr double kMilliwattsPerWatt = 1e3;
-/// Most frames of a run, so that it ends within minutes.
+/// Maximum number of frames of a run, so that it ends within minutes.
 constexpr double kMostSustainedFrames = 1e9;
 /// Tolerance for rounding in sums of frames' times.
 constexpr double kTimeRounding = 1e-9;
@@ -27,7 +27,7 @@ constexpr double kTimeRounding = 1e-9;
 /// True if a sum of frames' times reaches `end` within rounding.
 bool has_reached(double seconds, double end) { return seconds >= end * (1 - kTimeRounding); }
 
-/// Averages over the current loop.
+/// Computes means over the current loop.
 class LoopMean {
  public:
   void add(double seconds, double joules, double factor, bool is_frame) {
@@ -64,7 +64,7 @@ class Device {
     }
   }
 
-  /// Runs frame `number`. Returns true when the run's time is over.
+  /// Runs frame `number` of the repeated sequence. Returns true when the run's time is over.
   bool run_frame(std::size_t number) {
     const std::size_t step = governor_.step(), index = number % steps_[step].frames.size();
     const SustainFrame& frame = steps_[step].frames[index];
@@ -110,7 +110,7 @@ class Device {
   std::vector<std::vector<sim::ThermalNetwork::Decay>> decays_;  ///< by step and frame
   ThermalGovernor governor_;
   sim::Temperatures now_;
-  double last_decision_ = 0;  ///< its time, in s
+  double last_decision_ = 0;  ///< time of the governor's last decision, in s
   LoopMean mean_;
   Sustained result_;
 };

@@ -12,35 +12,36 @@
 
 namespace tools {
 
-/// A frame at one of the governor's clocks.
+/// Time and energy of a frame at one of the governor's clocks.
 struct SustainFrame {
   double seconds = 0;
-  double dynamic_j = 0;  ///< chip without leakage
-  double leakage_w = 0;  ///< chip, at the configured temperature
+  double dynamic_j = 0;  ///< dynamic energy of the chip in J, without leakage
+  double leakage_w = 0;  ///< leakage power of the chip in W at the configured temperature
   double memory_j = 0;
 };
 
-/// Converts a played frame's time and energy.
+/// Converts time and energy of a simulated frame.
 SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed);
 
 /// A clock that the governor may choose.
 struct SustainStep {
-  double factor = 1;                 ///< over the configured clocks
-  std::vector<SustainFrame> frames;  ///< of the sequence, which repeats
+  double factor = 1;                 ///< clock divided by the configured clock
+  std::vector<SustainFrame> frames;  ///< the frames of the sequence, which repeats, at this clock
 };
 
 /// Device, governor and duration of a sustained run.
 struct SustainSetup {
   sim::ThermalConfig thermal;
-  double leakage_temperature = 75, leakage_doubling = 25;  ///< of SustainFrame::leakage_w; K that double it
-  double idle_leakage = 0, idle_memory_w = 0;              ///< between frames
+  /// Temperature in C at which SustainFrame::leakage_w holds; increase in K that doubles leakage.
+  double leakage_temperature = 75, leakage_doubling = 25;
+  double idle_leakage = 0, idle_memory_w = 0;  ///< between frames
   double seconds = 600, loop = 60, fps = 0;
 };
 
-/// Returns the setup of a configuration: `seconds` is thermal.minutes, `loop` a minute.
+/// Returns the setup that a configuration describes: `seconds` from thermal.minutes, `loop` one minute.
 SustainSetup sustain_setup(const RunConfig& config);
 
-/// Means over a loop, temperatures at its end.
+/// Results of one loop of a sustained run: means over the loop, and temperatures at its end.
 struct SustainLoop {
   double fps = 0, watt = 0, factor = 0;
   double least_factor = 0;
@@ -52,24 +53,24 @@ struct Sustained {
   std::vector<SustainLoop> loops;
   std::uint64_t frames = 0;
   double seconds = 0;
-  double energy_j = 0;        ///< of the GPU and its memory
-  sim::Temperatures hottest;  ///< each node's own highest
-  std::size_t changes = 0;    ///< of the clock
-  double first_fps = 0;       ///< of the first loop
-  double sustained_fps = 0;   ///< of the last loop
-  double stability() const;   ///< worst over best loop
+  double energy_j = 0;        ///< energy of the GPU and its memory
+  sim::Temperatures hottest;  ///< highest temperature of each thermal node, at different times
+  std::size_t changes = 0;    ///< number of clock changes
+  double first_fps = 0;       ///< mean frame rate of the first loop
+  double sustained_fps = 0;   ///< mean frame rate of the last loop
+  double stability() const;   ///< frame rate of the slowest loop divided by that of the fastest
 };
 
-/// Returns the factors of the governor's clocks, the fastest first.
+/// Returns the governor's clocks as factors of the configured clock, the fastest first.
 std::vector<double> governor_factors(const sim::ThermalConfig& config);
-/// Returns the configurations of these clocks, each at the voltage that it needs.
+/// Returns a configuration for each of the governor's clocks, with the voltage that the clock needs.
 std::vector<RunConfig> governor_configs(const RunConfig& config);
 
-/// Runs the sequence for the time of `setup`, from a device at ambient temperature. `steps`: the fastest first. Throws
-/// InputError above 1e9 frames.
+/// Repeats the sequence of frames for `setup.seconds`, starting with a device at ambient temperature. `steps`: governor
+/// clocks, the fastest first. Throws InputError for more than 1e9 frames.
 Sustained sustain(const std::vector<SustainStep>& steps, const SustainSetup& setup);
 
-/// Returns the steady temperatures of a step without the governor; none if leakage runs away.
+/// Returns the steady temperatures at a fixed clock without the governor; none if leakage causes thermal runaway.
 std::optional<sim::Temperatures> steady_temperatures(const SustainStep& step, const SustainSetup& setup);
 
 /// Returns a warning if the slowest clocks end above a temperature limit, which the governor then cannot hold.

@@ -8,16 +8,17 @@
 
 namespace tools {
 
-/// Returns a line for each size, clock and voltage outside the tables' ranges, and one if tables mix processes.
+/// Returns a warning for each size, clock and voltage outside the ranges of the energy, area and latency tables, and
+/// one if tables are for different processes.
 std::vector<std::string> table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
 
-/// Returns the same lines for the units of the configured machine, without a run.
+/// Returns these warnings for all units of the configured machine, without a run.
 std::vector<std::string> table_warnings(const RunConfig& config);
 
-/// Returns one line if the tables of energy, area, voltage and latency that `config` uses mix processes.
+/// Returns a warning if the tables of energy, area, voltage and latency that `config` uses are for different processes.
 std::vector<std::string> process_warnings(const RunConfig& config);
 
-/// Appends the lines that `lines` lacks.
+/// Appends those lines of `more` that `lines` does not contain.
 void add_warnings(std::vector<std::string>& lines, const std::vector<std::string>& more);
 
 }  // namespace tools

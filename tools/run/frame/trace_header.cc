@@ -21,7 +21,7 @@ namespace {
 
 using traces::Json;
 
-/// Returns all fields by key.
+/// Returns all fields of a configuration by key.
 std::map<std::string, sim::FieldInfo> fields_by_key(const RunConfig& config) {
   std::map<std::string, sim::FieldInfo> all;
   for (sim::FieldInfo& field : sim::list_fields(config)) all.emplace(field.path, std::move(field));
@@ -42,8 +42,8 @@ Json fields_given_by_options(const RunConfig& effective, const JobOptions& optio
   return out;
 }
 
-/// True if a key that affects `function` changes this work. Limits of loading do not, and keys of unused frame programs
-/// do not.
+/// True if a key that affects `function` changes the recorded work. Limits of loading do not, nor do keys of frame
+/// programs that neither run nor reference uses.
 bool changes_work(std::string_view key, std::string_view program, std::string_view reference) {
   const std::string_view group = key.substr(0, key.find('.'));
   if (group == "limits") return false;
@@ -67,7 +67,7 @@ bool is_list_of_texts(const Json& json) { return json.is_array() && std::ranges:
 bool is_object_of_texts(const Json& json) { return json.is_object() && std::ranges::all_of(json, is_text); }
 bool is_pair(const Json& json) { return json.is_array() && json.size() == 2 && std::ranges::all_of(json, is_count); }
 
-/// A required key of a header.
+/// A required key of a trace's header.
 struct HeaderKey {
   const char* pointer;  ///< JSON pointer
   bool (*fits)(const Json&);
@@ -99,7 +99,7 @@ void check_resolution(const Json& header, const std::string& file, const RunConf
                   file, sides[0], sides[1], config.render.width, config.render.height));
 }
 
-// Reads a count; absent keys are 0.
+// Reads a count into `number`; an absent key means 0.
 template <class Number>
 void read_count(const Json& json, const char* key, Number& number) {
   if (!json.contains(key)) return;
@@ -114,7 +114,7 @@ void read_counts(const Json& json, const char* key, Array& numbers) {
   }
 }
 
-/// Converts counts by check to the order in files, or from it.
+/// Reorders counts of checks from the order in memory to the order in files, or back.
 template <class Counts>
 Counts reorder_checks(const Counts& counts, bool is_from_file) {
   using enum kernels::Check;
@@ -129,8 +129,8 @@ Counts reorder_checks(const Counts& counts, bool is_from_file) {
   return out;
 }
 
-/// Throws InputError if a key that the recording build lacked differs from its default, which describes the recorded
-/// work.
+/// Throws InputError if a key that the recording program did not have is not at its default. Only the default describes
+/// the recorded work.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
   const sim::JsonPointer id("/made_by/model_id");

@@ -7,27 +7,29 @@
 
 namespace tools {
 
-// The JSON of a trace file; the work itself is in traces/trace_file (docs/trace-format.md).
+// Writing and reading of the JSON in a trace file. The recorded work itself is in traces/trace_file
+// (docs/trace-format.md).
 
 /// Returns the header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
-/// Returns the result of a part: outputs of the frame program that are not in its work.
+/// Returns the JSON of a part's result: outputs of the frame program that its recorded work does not contain.
 traces::Json recorded_result(const RenderResult& result);
-/// Returns the entry of a frame. `error`: mean squared difference from the reference's picture.
+/// Returns the JSON entry of a frame. `error`: mean squared difference from the reference's picture.
 traces::Json recorded_frame(std::uint32_t number, double error);
 
-/// Parses the result of a part: sampling and continued rays.
+/// Parses the JSON of a part's result: counts of sampling and of continued rays.
 RenderResult parse_recorded_result(const traces::Json& json);
 
-/// Throws InputError, without the file's name, if a key is missing or has the wrong type. The functions below need a
-/// checked header.
+/// Throws InputError, without the file's name, if a key is missing or has the wrong type. The functions below require a
+/// header that has passed this check.
 void check_header(const traces::Json& header);
 
-/// Returns the configuration of a replay: that of the trace, or the one that `options` name with the trace's own
-/// settings of the work; then --set and --ideal. InputError for a field that would change the recorded work.
+/// Returns the configuration of a replay: the trace's own, or the one named in `options` with the trace's settings of
+/// the work. After that --set and --ideal are applied. Throws InputError for a field that would change the recorded
+/// work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
 
-/// Throws InputError with the first field of `config` that would change the recorded work.
+/// Throws InputError, which names the first field of `config` that would change the recorded work, if there is one.
 void check_recorded(const traces::Json& header, const std::string& file, const RunConfig& config);
 
 }  // namespace tools

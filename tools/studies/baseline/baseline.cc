@@ -179,8 +179,8 @@ std::string failure_text(const RunCheck& run) {
 
 constexpr const char* kMadeBy = " made by raywatt baseline check ";
 
-/// Writes a check as JUnit XML for continuous integration, a test case per run. InputError if the file exists and is
-/// not from write_junit(); with `force`, if it is not a regular file.
+/// Writes a check as JUnit XML for continuous integration, a test case per run. Throws InputError if the file exists
+/// and is not from write_junit(); with `force`, if it is not a regular file.
 void check_junit(const std::filesystem::path& file, bool force) {
   sim::check_output(file, {.mark = kMadeBy, .kind = "JUnit file of this verb", .any = force});
 }

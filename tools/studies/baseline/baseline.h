@@ -12,8 +12,8 @@ struct BaselineOptions {
   std::uint32_t replicates = 1;  ///< replicates of each run
 };
 
-// Each simulates the suite and returns kGood, or kCheckFailed if a run failed or a value moved. InputError if the
-// stored values belong to other inputs.
+// Each simulates the suite and returns kGood, or kCheckFailed if a run failed or a value moved. Throws InputError if
+// the stored values belong to other inputs.
 int record_baseline(const BaselineOptions& options);
 int check_baseline(const BaselineOptions& options);
 int accept_baseline(const BaselineOptions& options);

@@ -127,7 +127,7 @@ std::unique_ptr<ChildProcess> start_run(const SuiteRun& run) {
   });
 }
 
-/// Simulates the runs of a suite, `jobs` at once, each in its own process, and calls `take` for each in order.
+/// Simulates the runs of a suite, `jobs` at once, each in its own process, and calls `take` for each in order. Throws
 /// InputError if a run cannot start, e.g. because of a broken scene file.
 void simulate_suite(const Suite& suite, std::uint32_t jobs,
                     const std::function<void(const SuiteRun&, Measured)>& take) {
@@ -212,7 +212,7 @@ bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   }
 }
 
-/// Refuses misspelled paths of `keep` before the suite is simulated. InputError with the nearest path.
+/// Refuses misspelled paths of `keep` before the suite is simulated. Throws InputError with the nearest path.
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {

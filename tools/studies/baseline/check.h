@@ -85,8 +85,9 @@ struct Checked {
   std::size_t count_if(bool (*predicate)(const RunCheck&)) const;
 };
 
-/// Simulates a suite, `jobs` runs at once, and calls `report` for each run in order. `stored` may be null. InputError
-/// if no run has a path of `keep`; misspelled paths are found before the runs, by small pictures of each program.
+/// Simulates a suite, `jobs` runs at once, and calls `report` for each run in order. `stored` may be null. Throws
+/// InputError if no run has a path of `keep`; misspelled paths are found before the runs, by small pictures of each
+/// program.
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
                     const std::function<void(const RunCheck&)>& report);
 

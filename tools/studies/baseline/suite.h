@@ -31,7 +31,7 @@ struct Suite {
   std::string suite_name() const { return file.stem().string(); }
 };
 
-/// Reads a suite and the configurations of all its runs. InputError with file, line and column.
+/// Reads a suite and the configurations of all its runs. Throws InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
 
 /// Origin of a run's values.
@@ -57,7 +57,7 @@ struct Baseline {
   std::map<std::string, StoredRun> runs;
 };
 
-/// Reads stored values. InputError if the file does not exist or is not a baseline.
+/// Reads stored values. Throws InputError if the file does not exist or is not a baseline.
 Baseline load_baseline(const std::filesystem::path& file);
 /// Returns the text of a baseline file, runs in the order of the suite.
 std::string baseline_text(const Baseline& baseline, const Suite& suite);

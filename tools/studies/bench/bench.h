@@ -38,12 +38,12 @@ const std::vector<BenchMetric>& bench_metrics();
 /// before measuring if a scene is not comparable with `other`.
 sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = nullptr);
 
-/// Reads the output of `raywatt bench --json`; returns medians if there are several results. InputError.
+/// Reads the output of `raywatt bench --json`; returns medians if there are several results. Throws InputError.
 sim::Json load_bench(const std::filesystem::path& file);
 
-/// InputError if a common scene has another frame, machine or number of threads, and with `need_one` if there is no
-/// common scene. Members that one of them lacks, because of an older build, are not compared. `file`: path of `other`,
-/// for messages.
+/// Throws InputError if a common scene has another frame, machine or number of threads, and with `need_one` if there is
+/// no common scene. Members that one of them lacks, because of an older build, are not compared. `file`: path of
+/// `other`, for messages.
 void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
                       bool need_one = true);
 

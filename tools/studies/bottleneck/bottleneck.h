@@ -51,7 +51,7 @@ struct NoisySpeedup {
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 
-/// Simulates the first frame as configured, and once with each resource ideal. InputError, sim::Deadlock.
+/// Simulates the first frame as configured, and once with each resource ideal. Throws InputError, sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

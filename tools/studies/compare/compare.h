@@ -58,7 +58,7 @@ struct Comparison {
 };
 
 /// Simulates `count` replicates of the run of a report (docs/noise.md) and adds their statistics to the report, unless
-/// it has as many already. InputError if the run cannot be repeated.
+/// it has as many already. Throws InputError if the run cannot be repeated.
 void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threads, Progress* progress);
 
 /// Compares the run of report `b` with the run of report `a`, which is the baseline.

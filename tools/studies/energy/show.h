@@ -7,7 +7,7 @@
 namespace tools {
 
 /// Describes entries of the energy tables of a configuration: bands, curves over size, sources, and counters that use
-/// them. `name`: an entry, the end of one, or a group; empty: all. InputError if no entry matches.
+/// them. `name`: an entry, the end of one, or a group; empty: all. Throws InputError if no entry matches.
 std::string energy_show(const JobOptions& options, const std::string& name);
 
 /// Returns the shortest names of all entries that energy_show() accepts.

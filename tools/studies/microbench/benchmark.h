@@ -100,7 +100,7 @@ BenchmarkOption json_option();
 
 /// Returns the configured machine without ideal resources.
 RunConfig real_machine(const JobOptions& job);
-/// Returns a copy of the job for each DRAM grade in configs/dram. InputError if the job sets the grade.
+/// Returns a copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
 std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job);
 
 /// Returns the mean rate per second between the first and the last tenth of these times (in fs, in any order).

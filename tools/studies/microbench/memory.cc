@@ -212,7 +212,7 @@ class MemorySide {
 
   Reader& reader_of(std::uint32_t core, std::uint32_t client) { return *readers_[core * clients_ + client]; }
   const std::vector<Reader*>& all_readers() const { return readers_; }
-  /// Simulates all reads. sim::Deadlock if they do not end.
+  /// Simulates all reads. Throws sim::Deadlock if they do not end.
   void run() { sim::run(*this); }
 
   // For the engine.

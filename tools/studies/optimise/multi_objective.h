@@ -37,7 +37,7 @@ class PagmoModule {
 using PagmoFactory = const PagmoModule* (*)();
 constexpr const char* kPagmoSymbol = "raywatt_pagmo";
 
-/// Loads the module if needed; IoError if it cannot be loaded.
+/// Loads the module if needed; throws IoError if it cannot be loaded.
 const PagmoModule& pagmo_module();
 
 /// Returns the indices of the Pareto front, the best in the first objective first. Of equal scores only the first

@@ -35,7 +35,7 @@ struct Trial {
 /// and the results, so that an interrupted search continues from the simulations in the store.
 class SearchRun {
  public:
-  /// `folder`: where relative paths of the task begin. InputError for an impossible task.
+  /// `folder`: where relative paths of the task begin. Throws InputError for an impossible task.
   SearchRun(const Task& task, const std::filesystem::path& folder);
   SearchRun(const SearchRun&) = delete;
   SearchRun& operator=(const SearchRun&) = delete;
@@ -45,8 +45,8 @@ class SearchRun {
     std::function<void(const std::vector<sweep::Point>& points)> announce;
     sweep::Launcher::PointWatch watch;  ///< called for each point of a batch
   };
-  /// Runs the search until its budget is spent. Returns false if interrupted. InputError for a metric that reports do
-  /// not have.
+  /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
+  /// reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }

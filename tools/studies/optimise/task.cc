@@ -24,7 +24,7 @@ std::string without_blanks(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
-/// Parses "PATH < NUMBER", or with <=, >, >=; InputError for other text.
+/// Parses "PATH < NUMBER", or with <=, >, >=; throws InputError for other text.
 Goal read_constraint(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
   if (sign != std::string::npos) {

@@ -47,7 +47,7 @@ struct Task {
 };
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;
 
-/// Reads a task; InputError with file, line, column, key, error, allowed values.
+/// Reads a task; throws InputError with file, line, column, key, error, allowed values.
 Task read_task(const std::filesystem::path& file);
 
 }  // namespace tools::optimise

@@ -67,7 +67,7 @@ std::uint32_t square_for(std::uint32_t width, std::uint32_t height, std::size_t 
   return square;
 }
 
-/// Returns the values of a column; InputError if the table does not have it.
+/// Returns the values of a column; throws InputError if the table does not have it.
 const std::vector<double>& tile_column(const TileFrame& tiles, const char* name) {
   const TileColumn* const column = tiles.find(name);
   if (column == nullptr) throw sim::InputError(fmt::format("{} has no {} of its tiles", kTilesFile, name));

@@ -469,7 +469,7 @@ std::string html_text(std::string_view text) {
   return escape_text(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
 }
 
-/// Loads the bundle from where the program is installed or was built. InputError if it does not exist.
+/// Loads the bundle from where the program is installed or was built. Throws InputError if it does not exist.
 Bundle load_bundle() {
   std::vector<std::string> tried;
   for (const fs::path& folder : bundle_folders()) {

@@ -19,8 +19,8 @@ struct Options {
   bool force = false;
 };
 
-/// Writes the page of a run, several runs or a sweep. InputError for other folders, for a mixture of kinds, and for an
-/// output that may not be replaced.
+/// Writes the page of a run, several runs or a sweep. Throws InputError for other folders, for a mixture of kinds, and
+/// for an output that may not be replaced.
 void write_report_page(const Options& options);
 
 /// "chess, 1024x512, full:1"
@@ -59,7 +59,7 @@ struct TileGrid {
   std::vector<std::size_t> tile_of_row;
   std::size_t size() const { return columns * rows; }
 };
-/// Returns the grid of tiles of a picture of this size. InputError if the table has no tile positions, or a tile
+/// Returns the grid of tiles of a picture of this size. Throws InputError if the table has no tile positions, or a tile
 /// outside of the picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
@@ -73,7 +73,7 @@ struct TileMetric {
 /// Metrics that pages draw over pictures.
 const std::vector<TileMetric>& tile_metrics();
 
-/// Returns the metric of each tile of the grid; InputError if the table lacks a column.
+/// Returns the metric of each tile of the grid; throws InputError if the table lacks a column.
 std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
 /// Returns numbers for a page: integers exactly, others with five digits, null for values that are not finite.
 sim::Json page_numbers(const std::vector<double>& values);

@@ -16,7 +16,7 @@ namespace tools::reproduce {
 ///      are done. At the end the table is printed.
 ///   2. If it is stopped, the same call continues with the missing settings.
 ///   3. A missing or broken scene loses only its own rows.
-/// InputError for an unknown paper or an invalid configuration, before anything runs.
+/// Throws InputError for an unknown paper or an invalid configuration, before anything runs.
 void reproduce(const Options& options);
 
 /// A published value: a number or a range.
@@ -34,7 +34,7 @@ struct MetricKey {
 using Published = std::map<MetricKey, Range>;
 
 /// Reads the published values of a paper from tests/validation/published/PAPER.yaml or from published/PAPER.yaml in one
-/// of search_folders(). InputError with line and column.
+/// of search_folders(). Throws InputError with line and column.
 Published load_published(const std::string& paper);
 
 /// Parses the text: experiment: scene: setting: {metric: number, metric: {low: number, high: number}}.

@@ -99,11 +99,11 @@ class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}
 
-  /// Returns the values of the case's metrics, in the order of Case::metrics. InputError if its scene does not exist or
-  /// cannot be read.
+  /// Returns the values of the case's metrics, in the order of Case::metrics. Throws InputError if its scene does not
+  /// exist or cannot be read.
   std::vector<Measured> measure_case(const Case& c);
 
-  /// Returns the name or file of the scene that replaces the one of the paper. InputError if there is none.
+  /// Returns the name or file of the scene that replaces the one of the paper. Throws InputError if there is none.
   std::string stand_in(const View& view) const;
 
   /// Writes the pictures of the last measured case: of the run, its debug pictures (picture.h), its reference

@@ -24,7 +24,7 @@ class PointComputer {
     int attempt = 1;
   };
   /// Returns kComputed, kDone (found in the store), kFailed or kLocked. An error of the point is recorded as a Failure.
-  /// IoError if the store cannot be written; Interrupted.
+  /// Throws IoError if the store cannot be written, and Interrupted.
   PointStatus compute_point(const Point& point, const Order& order);
 
  private:
@@ -44,8 +44,8 @@ class PointComputer {
   void put_failure(const Point& point, const Failure& failure) const;
   /// Begins to record a stream; nothing if it cannot be recorded or another process records it.
   std::optional<Recording> begin_recording(const std::string& stream, const Inputs& inputs, const JobOptions& options);
-  /// Returns the inputs of a point; the caller may advance them to later frames. IoError if the scene file has changed
-  /// since the point was planned.
+  /// Returns the inputs of a point; the caller may advance them to later frames. Throws IoError if the scene file has
+  /// changed since the point was planned.
   Inputs& inputs_for(const Point& point, const PointKeys::Key& key, const RunConfig& config);
 
   const Store store_;

@@ -45,7 +45,7 @@ class Launcher {
   /// Called when a slice of a point has ended, with the index of the point.
   using SliceWatch = std::function<void(std::size_t point)>;
   /// Returns when all points have ended or an interrupt waits (tools/host/process.h; the caller holds interrupts).
-  /// IoError if the store cannot be written; finished points are kept.
+  /// Throws IoError if the store cannot be written; finished points are kept.
   BatchEnd run(
       std::span<const Point> points, const PointWatch& watch = [](std::size_t, PointStatus) {},
       const SliceWatch& slice_watch = [](std::size_t) {});
@@ -96,7 +96,7 @@ struct LauncherOptions {
   std::uint64_t chunk = 0;
 };
 
-/// InputError for options of another launcher.
+/// Throws InputError for options of another launcher.
 void check_options(const LauncherOptions& options);
 std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, const sweep::SweepFolder& folder);
 

@@ -166,7 +166,7 @@ std::vector<SlurmTask> list_tasks(const fs::path& folder) {
   return tasks;
 }
 
-/// Returns the largest number of tasks of an array: MaxArraySize. IoError.
+/// Returns the largest number of tasks of an array: MaxArraySize. Throws IoError.
 std::uint64_t most_tasks() {
   constexpr std::string_view kKey = "MaxArraySize";
   std::istringstream lines(output_of<sim::IoError>({"scontrol", "show", "config"}));
@@ -181,7 +181,7 @@ std::uint64_t most_tasks() {
   throw sim::IoError("scontrol show config has no MaxArraySize");
 }
 
-/// Submits a job; returns its id. InputError if Slurm refuses it.
+/// Submits a job; returns its id. Throws InputError if Slurm refuses it.
 std::string submit_job(const Words& arguments) {
   Words words = {"sbatch", "--parsable"};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -189,7 +189,7 @@ std::string submit_job(const Words& arguments) {
   return out.substr(0, out.find_first_of(";\n"));  // "12" or "12;cluster"
 }
 
-/// Cancels jobs. IoError if Slurm refuses.
+/// Cancels jobs. Throws IoError if Slurm refuses.
 void cancel_jobs(const std::set<std::string>& jobs) {
   if (jobs.empty()) return;
   Words words = {"scancel"};

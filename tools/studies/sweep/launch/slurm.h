@@ -25,7 +25,7 @@ class SlurmLauncher final : public Launcher {
     bool retry_failed = false;
     std::vector<std::string> arguments;  ///< passed to sbatch unchanged
   };
-  /// InputError for arguments that the launcher sets itself.
+  /// Throws InputError for arguments that the launcher sets itself.
   SlurmLauncher(const SweepFolder& folder, const Options& options);
 
   struct Submitted {
@@ -33,8 +33,8 @@ class SlurmLauncher final : public Launcher {
     std::vector<std::string> jobs;  ///< ids
     std::uint64_t queued = 0;       ///< points of earlier submissions that wait or are being computed
   };
-  /// Submits the points that have neither a result nor a failure and are not in the queue, and returns. InputError with
-  /// the message of Slurm if it refuses; what was submitted before goes on.
+  /// Submits the points that have neither a result nor a failure and are not in the queue, and returns. Throws
+  /// InputError with the message of Slurm if it refuses; what was submitted before goes on.
   Submitted submit_points(std::span<const Point> points);
 
  private:

@@ -173,7 +173,7 @@ Lines figure_lines(const Results& results, const Column& metric, const BestOptio
   return lines;
 }
 
-/// InputError if draws of the energy tables are requested for a figure without energy.
+/// Throws InputError if draws of the energy tables are requested for a figure without energy.
 void check_has_band(const Column& metric, const BestOptions& options) {
   if (!options.band || energy_metric(metric.name)) return;
   throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",

@@ -24,7 +24,7 @@ struct BestOptions {
   bool band = false;  ///< also price the points under draws of the energy tables
 };
 /// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
-/// command that runs it again. `points`: of the sweep. InputError if no point meets the conditions.
+/// command that runs it again. `points`: of the sweep. Throws InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
 /// A figure to minimise or maximise.
@@ -33,7 +33,7 @@ struct Objective {
   bool most = false;  ///< more is better
 
   /// Parses "PATH", "min:PATH" or "max:PATH". The default is max for performance, performance per watt, utilisation and
-  /// PSNR, min for all else. InputError for unknown paths.
+  /// PSNR, min for all else. Throws InputError for unknown paths.
   Objective(const Results& results, const std::string& text);
   /// Value of a point as a number; nothing if it has none.
   std::optional<double> value_of(std::size_t row) const;

@@ -19,8 +19,8 @@ struct Collected {
 };
 
 /// Makes index.sqlite from points.jsonl and the store, and results.csv from the index. Both are replaced as a whole;
-/// another collector of the same sweep waits. Does nothing if no input has changed. InputError for a damaged list of
-/// points.
+/// another collector of the same sweep waits. Does nothing if no input has changed. Throws InputError for a damaged
+/// list of points.
 Collected collect_results(const sweep::SweepFolder& folder);
 /// Calls collect_results(). If the folder is read-only but has an index, it prints only a warning that ends with
 /// `consequence`.

@@ -27,7 +27,7 @@ struct BandedMetric {
 /// Prices points of a sweep under draws of all entries of their energy tables. Entries of one name are drawn together.
 class EnergyBand {
  public:
-  /// Prices the points that `may` selects and that have a report. InputError if a point cannot be priced.
+  /// Prices the points that `may` selects and that have a report. Throws InputError if a point cannot be priced.
   EnergyBand(const Results& results, const std::vector<bool>& may);
 
   BandedMetric price_metric(const Column& column, bool most);
@@ -35,7 +35,7 @@ class EnergyBand {
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
   /// Returns a table of the best points by the nominal figure, with the confidence of each rank.
   std::string best_text(const Results& results, const BandedMetric& metric) const;
-  /// Returns a table of the energy entries that change the ranking most. InputError for a figure without energy.
+  /// Returns a table of the energy entries that change the ranking most. Throws InputError for a figure without energy.
   std::string tornado_text(const Results& results, const BandedMetric& metric);
 
  private:

@@ -34,7 +34,7 @@ std::string missing_text(const StatusCounts& counts);
 
 /// Version of the tables of index.sqlite. An index of another version is rebuilt.
 inline constexpr int kIndexSchema = 1;
-/// Opens index.sqlite for reading, without locks: the file is only ever replaced as a whole. InputError if it is
+/// Opens index.sqlite for reading, without locks: the file is only ever replaced as a whole. Throws InputError if it is
 /// missing, damaged or of another version.
 std::unique_ptr<SQLite::Database> open_index(const std::filesystem::path& file);
 /// Reads the table `sweep` of an index: the store and the hash of the inputs.
@@ -70,7 +70,7 @@ class Results {
   std::filesystem::path folder_of(const Row& row) const;
 
   /// Reads a column: "n", "id", "status", "error", an axis, or a path of report.json or an unambiguous end of one.
-  /// Paths outside `totals` are read from the reports, which takes longer. InputError with the candidates or the
+  /// Paths outside `totals` are read from the reports, which takes longer. Throws InputError with the candidates or the
   /// nearest.
   Column column(std::string_view text) const;
   bool has_metric(std::string_view path) const;
@@ -91,11 +91,13 @@ class Results {
   std::vector<std::string> axes_, metrics_;
 };
 
-/// Reads a column of a figure. Points with replicates have the mean of their replicates. InputError for unknown paths.
+/// Reads a column of a figure. Points with replicates have the mean of their replicates. Throws InputError for unknown
+/// paths.
 Column column_of_means(const Results& results, const std::string& path);
 
 /// Returns for each point whether it meets all conditions ("power_w.nominal<1 and cores>=2"), with means of replicates.
-/// A point that lacks a compared value does not. InputError for unknown paths and values that cannot be compared.
+/// A point that lacks a compared value does not. Throws InputError for unknown paths and values that cannot be
+/// compared.
 std::vector<bool> rows_meeting(const Results& results, const std::vector<std::string>& conditions);
 /// Lists the paths that conditions compare, each once.
 std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);

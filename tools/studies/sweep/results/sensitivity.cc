@@ -240,7 +240,7 @@ std::string sensitivity_table(const Sensitivity& s) {
   return out + "\n" + table.text();
 }
 
-/// Returns the rows that `may` selects and that have a number in the column. InputError if there is no such row.
+/// Returns the rows that `may` selects and that have a number in the column. Throws InputError if there is no such row.
 std::vector<std::size_t> rows_with_numbers(const Results& results, const Column& column, const std::vector<bool>& may) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < may.size(); ++row) {

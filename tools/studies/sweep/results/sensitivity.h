@@ -34,8 +34,8 @@ struct Sensitivity {
   double share_of_interactions() const;
 };
 
-/// Computes the effects of all axes that vary on a metric, over the selected points that have it. InputError if the
-/// metric is no number.
+/// Computes the effects of all axes that vary on a metric, over the selected points that have it. Throws InputError if
+/// the metric is no number.
 /// 1. Full grid: the first-order terms of an analysis of variance.
 /// 2. Otherwise: an additive model by least squares; values that hardly any two points share are joined in groups, and
 ///    the share that chance explains is subtracted.

@@ -61,7 +61,7 @@ struct ConditionTerm {
 /// Splits "<= 8 KiB" into comparison and value. Text without a comparison sign means =. The value may be empty.
 std::pair<Comparison, std::string> parse_comparison(const std::string& text);
 
-/// Reads "power_w.nominal<1 and tni.trv.l1.size>='16 KiB'". InputError with the column where the text is wrong.
+/// Reads "power_w.nominal<1 and tni.trv.l1.size>='16 KiB'". Throws InputError with the column where the text is wrong.
 std::vector<ConditionTerm> parse_condition(const std::string& text);
 
 }  // namespace tools::sweep

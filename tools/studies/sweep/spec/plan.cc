@@ -201,8 +201,8 @@ std::string from_folder(const std::string& text, const fs::path& folder) {
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
-/// Makes the name of a scene file absolute, relative to the folder of the spec. InputError for names that points.jsonl
-/// cannot hold.
+/// Makes the name of a scene file absolute, relative to the folder of the spec. Throws InputError for names that
+/// points.jsonl cannot hold.
 std::string scene_from(const std::string& value, const fs::path& folder) {
   std::string scene = from_folder(value, folder);
   if (sim::with_escaped_bytes(scene) == scene) return scene;

@@ -10,7 +10,7 @@
 
 namespace tools::sweep {
 
-/// True if the combination meets the condition. InputError if two compared values have no order.
+/// True if the combination meets the condition. Throws InputError if two compared values have no order.
 bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
 /// Tests whether any of many conditions holds. Conditions are indexed by the term that holds for the fewest values, so
@@ -25,8 +25,8 @@ class AnyCondition {
   std::vector<const AxisCondition*> others_;                              ///< conditions without a known term
 };
 
-/// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. InputError for more
-/// than a million.
+/// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. Throws InputError for
+/// more than a million.
 /// 1. random and sobol draw until there are `subset.count` wanted combinations.
 /// 2. latin_hypercube draws each value of an axis equally often, then drops repeated and unwanted combinations.
 /// `sizes`: number of values of each axis.
@@ -36,8 +36,8 @@ std::vector<Choice> choose_combinations(const Subset& subset, std::span<const st
 /// Makes the points of a sweep or a search, one for each combination of axis values.
 class Planner {
  public:
-  /// Files that the spec names are relative to `folder`. InputError, with its position in the file, for a value that is
-  /// not allowed.
+  /// Files that the spec names are relative to `folder`. Throws InputError, with its position in the file, for a value
+  /// that is not allowed.
   Planner(Spec spec, const std::filesystem::path& folder);
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
@@ -61,7 +61,7 @@ class Planner {
 /// Called after each planned point.
 using PlanProgress = std::function<void(std::size_t points, std::size_t of)>;
 
-/// Plans the points of a sweep, in order, with their keys. InputError as Planner.
+/// Plans the points of a sweep, in order, with their keys. Throws InputError as Planner.
 std::vector<Point> plan_points(const Spec& spec, const std::filesystem::path& folder,
                                const PlanProgress& progress = {});
 

@@ -97,17 +97,17 @@ class PointKeys {
     std::string stream;  ///< as in Point
   };
 
-  /// Returns the effective configuration, valid until the next call of a member. InputError if its values do not go
-  /// together.
+  /// Returns the effective configuration, valid until the next call of a member. Throws InputError if its values do not
+  /// go together.
   const RunConfig& config_of(const Point& point);
   /// Returns id and stream key of a point. Throws InputError like config_of().
   Key key_of(const Point& point);
   /// Sets id and stream of the point. If its values do not go together, it sets the error, and an id made from the
-  /// values. InputError for a scene file that cannot be read.
+  /// values. Throws InputError for a scene file that cannot be read.
   void set_key(Point& point);
 
  private:
-  /// Applies the point to the variants of its base configuration. InputError.
+  /// Applies the point to the variants of its base configuration. Throws InputError.
   const ConfigVariants& apply_point(const Point& point);
   Key make_key(const Point& point, const ConfigVariants& applied);
   std::string scene_digest(const RunConfig& config);

@@ -326,7 +326,7 @@ Axis read_workloads(const YamlValue& value) {
   return axis;
 }
 
-/// InputError if two axes set the same key or have the same name, or if there are too many axes.
+/// Throws InputError if two axes set the same key or have the same name, or if there are too many axes.
 void check_axes(std::span<const Axis> axes) {
   if (axes.size() > kMostAxes) sim::refuse(axes[kMostAxes].at, "axes", fmt::format("are more than {}", kMostAxes));
   std::map<std::string, std::string> owners, names;
@@ -466,7 +466,7 @@ Subset read_subset(const YamlValue& value) {
   return subset;
 }
 
-/// Returns the text of a value. InputError with its position if `parse` refuses it.
+/// Returns the text of a value. Throws InputError with its position if `parse` refuses it.
 std::string parsable_text(const YamlValue& value, auto&& parse) {
   try {
     parse(value.text());

@@ -31,7 +31,7 @@ class YamlValue {
   std::vector<std::string> list_of_texts() const;
   std::vector<YamlValue> items() const;    ///< elements of a list
   std::vector<YamlValue> entries() const;  ///< entries of a mapping
-  /// Entries of a mapping. InputError, with the nearest allowed key, for a key that is not among `keys`.
+  /// Entries of a mapping. Throws InputError, with the nearest allowed key, for a key that is not among `keys`.
   std::vector<YamlValue> entries(std::span<const std::string_view> keys) const;
 
   const std::string& key() const { return key_; }
@@ -119,7 +119,7 @@ struct Spec {
   std::map<std::string, std::string> key_positions;  ///< "file:line:column" of the value of each key
 };
 
-/// Reads a sweep's file. InputError of one line: file, line, column, key, what is wrong, what is allowed.
+/// Reads a sweep's file. Throws InputError of one line: file, line, column, key, what is wrong, what is allowed.
 Spec read_spec(const std::filesystem::path& file);
 /// Reads the part of another kind of file that describes a sweep. `others`: keys that the caller reads.
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others);

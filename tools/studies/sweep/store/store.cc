@@ -48,7 +48,7 @@ auto if_sound(F&& read) -> decltype(read()) {
   return {};
 }
 
-/// Returns the digests in point.json. InputError if that file belongs to another point.
+/// Returns the digests in point.json. Throws InputError if that file belongs to another point.
 Json read_digests(const fs::path& folder, const std::string& id) {
   const Json point = sim::parse_json(sim::read_file(folder / kPointFile, kMostPointBytes));
   if (sim::sha256_hex(sim::json_line(point.at("made_of"))) != id ||
@@ -253,7 +253,7 @@ bool is_sweep(const fs::path& path) {
   return fs::is_regular_file(path / "sweep.json", failed);
 }
 
-/// Calls f with the contents of sweep.json. InputError if it is malformed.
+/// Calls f with the contents of sweep.json. Throws InputError if it is malformed.
 void read_description(const fs::path& path, auto&& f) {
   const std::string bytes = sim::read_file(path / "sweep.json", kMostFolderBytes);
   const auto damaged = [&](const std::exception& error) {
@@ -269,14 +269,14 @@ void read_description(const fs::path& path, auto&& f) {
   }
 }
 
-/// InputError for a name that JSON cannot hold.
+/// Throws InputError for a name that JSON cannot hold.
 void check_name(const fs::path& path) {
   if (sim::with_escaped_bytes(path.string()) == path.string()) return;
   throw sim::InputError(fmt::format("{}: the name is no UTF-8, which the files of a sweep are; allowed: another",
                                     sim::printable(path.string())));
 }
 
-/// InputError if one of the folder's files is a link, a folder or a device. Removes stale temporary files.
+/// Throws InputError if one of the folder's files is a link, a folder or a device. Removes stale temporary files.
 void check_files(const fs::path& path) {
   const sim::Replaceable own{.kind = "file of the sweep", .any = true};
   for (const std::string_view file : kFiles) sim::check_output(path / file, own);
@@ -285,7 +285,7 @@ void check_files(const fs::path& path) {
 
 constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
 
-/// Makes a folder that the user named. InputError if that fails.
+/// Makes a folder that the user named. Throws InputError if that fails.
 void make_named_folder(const fs::path& path) {
   try {
     sim::make_folders(path);
@@ -294,7 +294,7 @@ void make_named_folder(const fs::path& path) {
   }
 }
 
-/// InputError for a folder with other contents than a sweep or a search of this kind.
+/// Throws InputError for a folder with other contents than a sweep or a search of this kind.
 void check_contents(const fs::path& path, std::string_view of) {
   const std::string shown = sim::printable(path.string());
   std::error_code failed;

@@ -94,10 +94,10 @@ class SweepFolder {
  public:
   enum class Of : std::uint8_t { kSweep, kSearch };
 
-  /// Opens the folder of a sweep or a search. InputError if it is none.
+  /// Opens the folder of a sweep or a search. Throws InputError if it is none.
   static SweepFolder open(const std::filesystem::path& path);
-  /// Creates the folder if it is missing and locks it; nothing if another process holds it. InputError for a folder
-  /// with other contents.
+  /// Creates the folder if it is missing and locks it; nothing if another process holds it. Throws InputError for a
+  /// folder with other contents.
   static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, Of of);
   /// Writes a sweep or a search into a folder that the caller has claimed; replaces the former one.
   static SweepFolder create(const std::filesystem::path& path, Of of, const std::string& spec,
@@ -117,7 +117,7 @@ class SweepFolder {
   /// Returns the process that runs the sweep, if one does.
   std::optional<Runner> find_runner() const;
 
-  /// IoError if the folder was moved or removed during the run.
+  /// Throws IoError if the folder was moved or removed during the run.
   void check_exists() const;
   /// Appends a line to log/runs.jsonl.
   void log_run(const sim::Json& run) const;
