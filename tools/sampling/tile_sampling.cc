@@ -335,8 +335,8 @@ void copy_counts(const RenderResult& from, RenderResult& to) {
   to.rgb.clear();
 }
 
-/// Returns the lengths of blocks for a machine. The measured part of a block is as long as the number of tiles in
-/// flight on the machine.
+/// Returns the lengths of blocks for a machine. The measured part of a block has as many tiles as the machine has in
+/// flight, at least 12.
 PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
