@@ -1,8 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/error.h"
@@ -132,6 +132,23 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   }
 }
 
+/// The units that one clock drives, as indices into the wake-up table.
+struct UnitsOfClock {
+  Clock clock;
+  std::vector<std::size_t> units;
+};
+
+/// Groups the units of a machine by clock.
+inline std::vector<UnitsOfClock> group_units_by_clock(const Machine& machine) {
+  std::vector<UnitsOfClock> groups;
+  machine.for_each_clock([&](std::size_t unit, Clock clock) {
+    auto group = std::ranges::find(groups, clock, &UnitsOfClock::clock);
+    if (group == groups.end()) group = groups.insert(group, UnitsOfClock{clock, {}});
+    group->units.push_back(unit);
+  });
+  return groups;
+}
+
 /// Runs a simulated machine until done() is true. Returns the time of the last clock edge that it visited.
 template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
@@ -142,15 +159,18 @@ Time run(Owner& owner) {
     return [units, now](std::size_t i) { return units[i](now); };
   };
   Watchdog<Owner> watchdog(owner);
+  std::vector<UnitsOfClock> groups;
+  if constexpr (kSkip == Skip::kOff) groups = group_units_by_clock(machine);
   Time now = 0;
   if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakeups.earliest_time();
   for (;;) {
     if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
     watchdog.run_due_checks(now);
     if constexpr (kSkip == Skip::kOff) {
-      machine.for_each_clock([&](std::size_t i, Clock clock) {
-        if (clock.is_edge(now)) wakeups.tick_one(i, tick_at(now));
-      });
+      for (const UnitsOfClock& group : groups) {
+        if (!group.clock.is_edge(now)) continue;
+        for (const std::size_t i : group.units) wakeups.tick_one(i, tick_at(now));
+      }
     } else {
       if (now != kNever) wakeups.tick_due(now, tick_at(now));
     }
@@ -159,7 +179,7 @@ Time run(Owner& owner) {
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
-      machine.for_each_clock([&](std::size_t, Clock clock) { edge = std::min(edge, clock.edge_at_or_after(now + 1)); });
+      for (const UnitsOfClock& group : groups) edge = std::min(edge, group.clock.edge_at_or_after(now + 1));
       now = edge;
     } else {
       now = next;
@@ -174,15 +194,17 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();
   machine.start();
   WakeupTable& wakeups = machine.wakeup_table();
-  std::vector<std::size_t> order(wakeups.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // hash and unit
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
     watchdog.run_due_checks(now);
-    std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
-    for (const std::size_t i : order) {
-      if (wakeups[i] == now) wakeups.tick_one(i, [&](std::size_t) { return machine.tick_functions()[i](now); });
+    order.clear();
+    for (std::size_t i = 0; i < wakeups.size(); ++i) {
+      if (wakeups[i] == now) order.emplace_back(hash(seed, now, i), i);
     }
+    std::ranges::sort(order);
+    for (const auto& [drawn, i] : order)
+      wakeups.tick_one(i, [&](std::size_t unit) { return machine.tick_functions()[unit](now); });
     if (owner.done()) return now;
     now = wakeups.earliest_time();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());

@@ -95,6 +95,8 @@ build() {
   [ $# -eq 0 ] || shift
   cd "$root" || fail "cannot enter $root"
   step "configure $preset" cmake --preset "$preset" "${options[@]}"
+  # ccache takes objects that were compiled without -Werror, and prints their warnings again.
+  local -x CCACHE_IGNOREOPTIONS=-Werror
   local TIMEFORMAT="$script: the build took %0U user + %0S system CPU-seconds"
   time step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }

@@ -240,7 +240,7 @@ void try_sweep(const Seeds& seeds, const fs::path& folder, const TempFolder& wor
 
 std::uint64_t folders() {
   const char* value = std::getenv("RAYWATT_HOSTILE");
-  return value == nullptr ? 12 : std::strtoull(value, nullptr, 10);
+  return value == nullptr ? 8 : std::strtoull(value, nullptr, 10);
 }
 
 TEST(Hostile, FoldersAreReadInTimeWithinTheirMemoryAndKept) {

@@ -8,6 +8,7 @@
 
 #include "block_harness.h"
 #include "sim/hash.h"
+#include "tests/full_size.h"
 
 // Post-correction along thin objects that only some samples hit.
 
@@ -87,21 +88,21 @@ struct Rod {
 /// hit by none, so no scan leads to it, and it loses more pixels than ten others. Sixty rods therefore give a poor
 /// estimate (tests/validation/DEVIATIONS.md, A5).
 TEST(PostCorrection, FourScansRecoverRodsThickerThanAPixel) {
-  constexpr std::uint32_t kMany = 100 * kRods;
+  const std::uint32_t many = test::full_or(100U, 15U) * kRods;
   Recovered all, met;
-  for (std::uint32_t seed = 0; seed < kMany; ++seed) {
+  for (std::uint32_t seed = 0; seed < many; ++seed) {
     const Rod rod(seed, 1.3F + 0.5F * static_cast<float>(seed % kRods) / (kRods - 1));
     const Recovered of = rod.recovered(scanning(Correction::kFour));
     all += of;
     if (rod.met()) met += of;
   }
-  EXPECT_GT(all.lost, 5 * kMany) << "blocks of 2 lose a part of such rods";
+  EXPECT_GT(all.lost, 5 * many) << "blocks of 2 lose a part of such rods";
   EXPECT_GE(all.share(), 0.95);
   EXPECT_GE(met.share(), 0.98);
   RecordProperty("lost", std::to_string(all.lost));
   RecordProperty("recovered", fmt::format("{:.4f}", all.share()));
   RecordProperty("recovered_of_rods_met", fmt::format("{:.4f}", met.share()));
-  fmt::print("recovered {:.4f} of {} pixels of {} rods, {:.4f} of rods that were met\n", all.share(), all.lost, kMany,
+  fmt::print("recovered {:.4f} of {} pixels of {} rods, {:.4f} of rods that were met\n", all.share(), all.lost, many,
              met.share());
 }
 

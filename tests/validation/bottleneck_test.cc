@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/machines/gpu_config.h"
+#include "tests/full_size.h"
 
 // The resource that the counters of one run name gives the largest speed-up if ideal, within 2 %. Uses small built-in
-// scenes on machines with different limits; docs/bottleneck.md has random machines.
+// scenes on machines with different limits, at
+// full size larger ones; docs/bottleneck.md has random machines.
 
 namespace tools {
 namespace {
@@ -27,7 +29,7 @@ TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
   JobOptions options;
   options.scene = GetParam().scene;
   options.sets = GetParam().sets;
-  options.resolution = GetParam().resolution;
+  options.resolution = test::is_full_size() ? GetParam().resolution : "128x64";
   options.threads = 2;
   const Bottleneck b = find_bottleneck(options);
   ASSERT_EQ(b.bounds.size(), hw::IdealConfig::kResources.size());

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/full_size.h"
 #include "tests/real_scenes.h"
 #include "tools/analysis/picture.h"
 #include "tools/run/frame/run_job.h"
@@ -39,7 +40,7 @@ struct Way {
 TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
   const std::filesystem::path file = test::scenes_folder() / "hotel-room-animated.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-  constexpr std::uint32_t kFrames = 60;
+  const std::uint32_t frames = test::full_or(60U, 16U);
   JobOptions options;
   options.scene = file.string();
   options.resolution = "256x128";
@@ -53,7 +54,7 @@ TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
   Way guarded(config);
   config.rate_texture = 2;
   Way unguarded(config);
-  for (std::uint32_t frame = 0; frame < kFrames; ++frame) {
+  for (std::uint32_t frame = 0; frame < frames; ++frame) {
     if (frame != 0) {
       ASSERT_TRUE(advance_frame(inputs, 0));
     }

@@ -9,6 +9,7 @@
 #include "sim/hash.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
+#include "traces/scenes/library.h"
 
 // Adaptive sampling on the machine: dependencies between tiles, several passes, transfers in both directions.
 
@@ -145,8 +146,12 @@ TEST(AdaptiveRoom, RaySlotsWithAShareSpillLessAndAllEnginesAgree) {
 TEST(AdaptivePasses, ReadLinesAgainUnlessTheL2HoldsTheScene) {
   kernels::ProgramConfig nothing_similar;
   nothing_similar.multirate.normal = 2;
-  const Method full{"forest", "full:1", {}, 64, 32, 16};
-  const Method passes{"forest", "multirate:under", nothing_similar, 64, 32, 16};
+  kernels::RenderConfig render;
+  render.width = 64;
+  render.height = 32;
+  render.tile = 16;
+  const traces::Scene forest = traces::open_scene("forest");
+  const Method full{forest, "full:1", {}, render}, passes{forest, "multirate:under", nothing_similar, render};
   const auto fills = [](const Outcome& run) { return run.sum("l2.bank", "fills"); };
 
   GpuConfig config;

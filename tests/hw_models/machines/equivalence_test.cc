@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "tests/full_size.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
@@ -28,7 +29,7 @@ TEST(Gpu, TheOrderOfUnitsWithinAStepIsInvisible) {
 
 TEST(Gpu, TheOracleAgreesOnRandomMachinesToo) {
   static const Frame frame("cornell", 16, 16);
-  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+  for (std::uint64_t seed = 0; seed < ::test::full_or(16U, 6U); ++seed) {
     const GpuConfig config = test::random_config(seed);
     EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kOracle)), "") << "seed " << seed;
   }
@@ -36,7 +37,7 @@ TEST(Gpu, TheOracleAgreesOnRandomMachinesToo) {
 
 TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
   static const Frame frame("cornell", 32, 16);
-  for (std::uint64_t seed = 16; seed < 40; ++seed) {
+  for (std::uint64_t seed = 16; seed < ::test::full_or(40U, 24U); ++seed) {
     const GpuConfig config = test::random_config(seed);
     EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
   }
@@ -45,7 +46,7 @@ TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
 TEST(Gpu, TheOracleAgreesOnScenesOfInstancesInAnyOrderOfUnits) {
   const traces::BvhConfig levels{.instances = traces::InstanceLevels::kTwoLevel};
   static const Frame frame("chess", 16, 16, 1, 16, levels);
-  for (std::uint64_t seed = 40; seed < 45; ++seed) {
+  for (std::uint64_t seed = 40; seed < ::test::full_or(45U, 42U); ++seed) {
     const GpuConfig config = test::random_config(seed);
     const Outcome fast = play(frame, config);
     EXPECT_GT(fast.sum("trv", "transforms"), 0U);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/config/config_tree.h"
+#include "tests/full_size.h"
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
@@ -19,7 +20,7 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-/// Seeds of the 200 machines, in groups of 25 that run in parallel.
+/// Seeds of the 200 machines in groups of 25; tests at full size run all of each group.
 constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
 
 /// All layouts of the tree in memory, in turn.
@@ -40,7 +41,7 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
   const Outcome expected = play(frame, standard);
   expect_conserved(expected, frame, standard);
   const std::uint64_t first = kFirstSeed + GetParam() * kPart;
-  for (std::uint64_t seed = first; seed < first + kPart; ++seed) {
+  for (std::uint64_t seed = first; seed < first + ::test::full_or(kPart, std::uint64_t{6}); ++seed) {
     SCOPED_TRACE(seed);
     const GpuConfig config = test::random_config(seed);
     const Outcome run = play(frame, config);

@@ -58,8 +58,9 @@ TEST_P(Rasterised, PictureIsThatOfRaysToTheLastBit) {
   const std::string_view name = GetParam();
   if (name == "full:1" || name == "supersample") scenes.push_back("forest");
   for (const char* scene : scenes) {
-    const Method rays(method(scene, GetParam(), kernels::Primary::kRays));
-    const Method raster(method(scene, GetParam(), kernels::Primary::kRaster));
+    const traces::Scene opened = traces::open_scene(scene);
+    const Method rays(opened, GetParam(), programs(), small(kernels::Primary::kRays));
+    const Method raster(opened, GetParam(), programs(), small(kernels::Primary::kRaster));
     const Outcome traced = play(rays, {}), drawn = play(raster, {});
     EXPECT_EQ(traced.function.rgb, drawn.function.rgb) << scene;
     EXPECT_EQ(traced.function.sampling.traced, drawn.function.sampling.traced) << scene;

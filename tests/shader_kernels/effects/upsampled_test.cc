@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "tests/full_size.h"
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/showcase.h"
 
@@ -146,7 +147,9 @@ TEST(EffectRate, GivesTheSamePictureForAnyTileSize) {
 }
 
 TEST(EffectRate, IsCloseToAllRays) {
-  for (const char* scene : {"cornell", "chess", "bathroom"}) {
+  std::vector<const char*> scenes = {"cornell"};
+  if (test::is_full_size()) scenes.insert(scenes.end(), {"chess", "bathroom"});
+  for (const char* scene : scenes) {
     const RatedStage stage(traces::open_scene(scene));
     constexpr const char* kEffects = "occlusion, soft_shadows, reflections, refractions";
     RenderConfig many = rated(kEffects, EffectRate::kFull, 128, 64);

@@ -5,6 +5,7 @@
 
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/programs.h"
+#include "tests/full_size.h"
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/builtin.h"
@@ -101,12 +102,15 @@ TEST(FusedKernels, CheckGlobalColoursOnlyInTilesThatHaveSome) {
 }
 
 class FusedKernelsOf : public testing::TestWithParam<std::string> {};
-std::vector<std::string> all_scenes() {
+/// Returns all built-in scenes at full size, otherwise the small ones.
+std::vector<std::string> scene_names() {
   std::vector<std::string> names;
-  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) names.emplace_back(scene.name);
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
+    if (scene.triangles <= test::full_or(10'000'000U, 60'000U)) names.emplace_back(scene.name);
+  }
   return names;
 }
-INSTANTIATE_TEST_SUITE_P(BuiltIn, FusedKernelsOf, testing::ValuesIn(all_scenes()),
+INSTANTIATE_TEST_SUITE_P(BuiltIn, FusedKernelsOf, testing::ValuesIn(scene_names()),
                          [](const auto& i) { return i.param; });
 
 TEST_P(FusedKernelsOf, MakeThePictureOfTheirParts) { expect_fusion_to_change_nothing(traces::open_scene(GetParam())); }

@@ -23,7 +23,7 @@ Words chess(const Words& more) {
   return words;
 }
 
-nlohmann::json report_of(const fs::path& out, const Words& more) {
+nlohmann::json frames_report(const fs::path& out, const Words& more) {
   const Ending ending = raywatt(small_run(out, chess(more)));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
@@ -32,7 +32,7 @@ nlohmann::json report_of(const fs::path& out, const Words& more) {
 TEST(Frames, HaveTheirOwnResultsAndPicturesAndTheTotalIsTheirSum) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
-  const nlohmann::json report = report_of(out, {"--frames", "1:3"});
+  const nlohmann::json report = frames_report(out, {"--frames", "1:3"});
   ASSERT_EQ(report["frames"].size(), 3U);
   std::uint64_t cycles = 0, rays = 0;
   double energy = 0;
@@ -73,8 +73,8 @@ TEST(Frames, CountAsRaysPerSecondOfTheHostWithoutLoading) {
 
 TEST(Frames, AreTheSameAloneAndInARun) {
   const TempFolder folder;
-  const nlohmann::json all = report_of(folder.path() / "all", {"--frames", "0:2"});
-  const nlohmann::json last = report_of(folder.path() / "last", {"--frames", "2"});
+  const nlohmann::json all = frames_report(folder.path() / "all", {"--frames", "0:2"});
+  const nlohmann::json last = frames_report(folder.path() / "last", {"--frames", "2"});
   EXPECT_EQ(all["frames"][2], last["frames"][0]);
   EXPECT_EQ(read_bytes(folder.path() / "all" / "frame-0002.png"), read_bytes(folder.path() / "last" / "image.png"));
 }
@@ -82,8 +82,8 @@ TEST(Frames, AreTheSameAloneAndInARun) {
 TEST(Frames, OfAFormerRunAreReplaced) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
-  report_of(out, {"--frames", "0:2"});
-  report_of(out, {"--frames", "1:2"});
+  frames_report(out, {"--frames", "0:2"});
+  frames_report(out, {"--frames", "1:2"});
   EXPECT_FALSE(fs::exists(out / "frame-0000.png"));
   EXPECT_TRUE(fs::exists(out / "frame-0002.png"));
 }

@@ -10,7 +10,6 @@
 namespace test {
 namespace {
 
-using sim::Json;
 using tools::energy_totals_json;
 using tools::load_report;
 using tools::PricedRun;
@@ -18,7 +17,7 @@ using tools::PriceTable;
 
 /// Expects the report's totals that depend on energy.
 void expect_totals(const PricedRun& run, const std::filesystem::path& report) {
-  const Json totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
+  const sim::Json totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   for (const auto& [key, value] : priced.items()) {
     if (key == "perf") continue;
     EXPECT_EQ(value, totals[key]) << key;
@@ -49,7 +48,7 @@ TEST(PricedRun, OfSeveralFramesIsTheirSum) {
   const auto out = run_into(folder.path() / "a", {"--scene", "car", "--frames", "0:2"});
   const PricedRun run(load_report(out));
   EXPECT_EQ(run.work().frames, 3);
-  const Json totals = load_report(out).json["totals"], priced = energy_totals_json(run.energy(), run.work());
+  const sim::Json totals = load_report(out).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   EXPECT_NEAR(priced["energy_mj"]["high"].get<double>() / totals["energy_mj"]["high"].get<double>(), 1, 1e-12);
   EXPECT_NEAR(
       priced["perf"]["frames_per_joule_gpu"].get<double>() / totals["perf"]["frames_per_joule_gpu"].get<double>(), 1,

@@ -18,7 +18,7 @@ namespace {
 
 std::uint64_t machines_wanted() {
   const char* wanted = std::getenv("RAYWATT_REPLAYS");
-  return wanted == nullptr ? 6 : std::strtoull(wanted, nullptr, 10);
+  return wanted == nullptr ? 3 : std::strtoull(wanted, nullptr, 10);
 }
 
 tools::JobOptions options_for(const std::filesystem::path& config) {

@@ -66,7 +66,7 @@ TEST_F(Replay, GivesTheReportOfTheRunForEveryFrameProgram) {
       {"--program", "undersample"},
       {"--program", "supersample"},
       {"--set", "bvh.numbers=hybrid", "--set", "bvh.boxes=single"},
-      {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"},
+      {"--scene", "chess", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"},
       {"--scene", "laboratory", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level", "--program",
        "multirate:under"},
       {"--set", "render.primary=raster", "--program", "reconstruct"},
@@ -115,7 +115,7 @@ TEST_F(Replay, OnAnotherMachineGivesTheReportOfARunOnIt) {
 }
 
 TEST_F(Replay, OfTwoLevelsGivesTheReportsOfRunsOnOtherMachines) {
-  const Words levels = {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"};
+  const Words levels = {"--scene", "chess", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"};
   run("recorded", levels, true);
   const std::vector<Words> machines = {
       {"--set", "cores=2", "--set", "tni.trv.stack=restart_trail", "--set", "bvh.boxes=single"},
@@ -135,7 +135,7 @@ TEST_F(Replay, OfTwoLevelsGivesTheReportsOfRunsOnOtherMachines) {
 
 TEST_F(Replay, OfTwoLevelsThatMove) {
   run("run",
-      {"--scene", "village", "--set", "scene.triangles=20000", "--frames", "3:4", "--set", "bvh.instances=two_level"},
+      {"--scene", "chess", "--set", "scene.triangles=20000", "--frames", "20:21", "--set", "bvh.instances=two_level"},
       true);
   expect_good(replay("replay"));
   expect_same("run", "replay");

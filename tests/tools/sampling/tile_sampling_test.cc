@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "tests/full_size.h"
 #include "tests/tools/program.h"
 
 // Sampled frames compared with the same frames simulated as a whole.
@@ -209,7 +210,7 @@ TEST(TileSampling, AutoThatTimesAllTilesInTheEndIsExactAndKeepsThePicture) {
 TEST(TileSampling, ALargeL2IsAsWarmAsInTheWholeFrame) {
   JobOptions options;
   options.scene = "conference";
-  options.resolution = "512x256";
+  options.resolution = test::is_full_size() ? "512x256" : "256x256";
   options.sets = {"render.tile=8", "l2.size=8 MiB"};
   const Inputs large = load_inputs(options);
   const FrameResult a = simulate_frame(large, program(), 1), b = simulate_sampled(large, program(), 1, {});

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "support.h"
+#include "tests/full_size.h"
 #include "traces/accel/build.h"
 
 namespace traces {
@@ -64,7 +65,8 @@ TEST(BvhTracer, FindsTheSameHitsWithAnyTree) {
     const MemoryImage soup = build_memory_image(triangle_soup(1000, 0.2F), {.leaf_size = leaf_size});
     const MemoryImage grid = build_memory_image(grid_soup(1000), {.leaf_size = leaf_size});
     for (const MemoryImage* image : {&soup, &grid}) {
-      for (const std::vector<Ray>& rays : {random_rays(3000), grid_rays(10000)}) {
+      for (const std::vector<Ray>& rays :
+           {random_rays(test::full_or(3000U, 1000U)), grid_rays(test::full_or(10000U, 2000U))}) {
         const std::vector<Hit> hits = trace(BvhTracer(*image), rays);
         const std::vector<Hit> blocked = trace(BvhTracer(*image), rays, RayKind::kShadow);
         std::vector<Hit> expected(rays.size());
@@ -190,7 +192,8 @@ TEST(BvhTracer, AShadowRayEndsAtAnOpaqueHitOrReportsTheNearestFlaggedOne) {
   for (const Scene& scene : {triangle_soup(1000, 0.2F), grid_soup(1000)}) {
     const MemoryImage image = build_memory_image(with_flags(scene));
     int flagged = 0, solid = 0, hidden = 0;
-    for (const std::vector<Ray>& rays : {random_rays(5000), grid_rays(5000)}) {
+    for (const std::vector<Ray>& rays :
+         {random_rays(test::full_or(5000U, 2500U)), grid_rays(test::full_or(5000U, 2000U))}) {
       const std::vector<Hit> hits = trace(BvhTracer(image), rays, RayKind::kShadow);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Hit nearest = test_all(image, rays[i]);

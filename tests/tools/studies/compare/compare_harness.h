@@ -11,7 +11,7 @@
 
 namespace test {
 
-/// Runs, each made at its first use.
+/// Runs, each made at its first use and kept for all tests of the process.
 class Runs : public testing::Test {
  protected:
   void run(const std::string& name) const {
@@ -48,7 +48,12 @@ class Runs : public testing::Test {
     return folder.write(name, report.dump()).string();
   }
 
-  TempFolder folder;
+  static const TempFolder& made_runs() {
+    static const TempFolder folder;
+    return folder;
+  }
+
+  const TempFolder& folder = made_runs();
 };
 
 }  // namespace test

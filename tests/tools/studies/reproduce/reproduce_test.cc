@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "tests/full_size.h"
 #include "tests/tools/program.h"
 #include "tools/studies/reproduce/plan.h"
 #include "tools/studies/reproduce/runner.h"
@@ -48,7 +49,24 @@ INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(all_papers()), 
   return name;
 });
 
+TEST_P(EachPaper, HasANumberForEveryMetricOfASmallPicture) {
+  Options options;
+  options.threads = 1;
+  Runner runner(options);
+  for (Case c : GetParam().cases(true)) {
+    c.width = 32;
+    c.height = 16;
+    const std::vector<Measured> measured = runner.measure_case(c);
+    ASSERT_EQ(measured.size(), c.metrics.size());
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      EXPECT_TRUE(measured[i].value.has_value()) << c.view.scene << ", " << c.setting << ", " << c.metrics[i].metric;
+    }
+  }
+}
+
+/// Without the full size, only the paper whose quick run is shortest.
 TEST_P(EachPaper, HasANumberForEveryRowOfAQuickRun) {
+  if (!is_full_size() && GetParam().name != "hybrid") GTEST_SKIP() << "tools/validate full";
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   const std::string paper(GetParam().name);

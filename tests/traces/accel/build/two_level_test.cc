@@ -61,7 +61,7 @@ TEST(TwoLevels, GiveTheSameHitsWithAnyTree) {
     config.leaf_size = leaf_size;
     for (const Scene& scene : {scattered(80), scattered(1), with_flags(grid_soup(500))}) {
       const MemoryImage image = build_memory_image(scene, config);
-      for (const std::vector<Ray>& rays : {random_rays(1500), grid_rays(1500), far_rays(image, 500)}) {
+      for (const std::vector<Ray>& rays : {random_rays(600), grid_rays(600), far_rays(image, 200)}) {
         std::vector<Hit> expected;
         for (const Ray& ray : rays) expected.push_back(test_all(image, ray));
         EXPECT_EQ(count_different(trace(BvhTracer(image), rays), expected), 0U);

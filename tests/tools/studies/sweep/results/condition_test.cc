@@ -21,8 +21,8 @@ struct FourKinds : MadeSweep {
 };
 
 std::string met(const std::vector<std::string>& conditions) {
-  const FourKinds sweep;
-  const Results results = sweep.results();
+  static const FourKinds sweep;
+  static const Results results = sweep.results();
   std::string points;
   const std::vector<bool> all = rows_meeting(results, conditions);
   for (std::size_t i = 0; i < all.size(); ++i) {
