@@ -96,7 +96,7 @@ class BlockTile {
   void trace_references();
   /// Returns the samples of the reference rows that are between two references.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
-  /// Returns the samples of all other rows, which are between samples of two reference rows.
+  /// Returns the samples of rows without references, which are between the samples of two reference rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
   void trace_failed(const BlockLines& lines, const Verdict& verdict);

@@ -14,7 +14,7 @@
 namespace sim::test {
 namespace {
 
-struct Table {
+struct BundleTable {
   std::string process = "none";
   std::map<std::string, Band> events;
   Band leakage{1, 2, 3};
@@ -29,7 +29,7 @@ struct Table {
 
 struct Chip {
   std::string process;
-  Table energy, area;
+  BundleTable energy, area;
   static void describe(auto& c, auto&& field) {
     field.bundle(NAMED(c.process), "of the chip", {"energy", "area"}, Affects::kEnergy);
     field.group(NAMED(c.energy), "energy");
@@ -73,7 +73,7 @@ TEST_F(Bundle, ReadsTheFileOfItsNameInEachOfItsGroups) {
 }
 
 TEST_F(Bundle, ScalesFiguresByTheLongestKeyThatCoversThem) {
-  const Table t = load("process: 7nm\n").energy;
+  const BundleTable t = load("process: 7nm\n").energy;
   EXPECT_EQ(t.events.at("a.one"), (Band{0.25, 1, 4}));
   EXPECT_EQ(t.events.at("a.two"), (Band{1.5, 1.5, 1.5}));
   EXPECT_EQ(t.events.at("cache.read@1KiB"), (Band{6, 6, 6}));

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/run/frame/front_end.h"
 
 namespace tools {

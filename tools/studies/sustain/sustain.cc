@@ -40,7 +40,7 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
   const kernels::ProgramSpec program = kernels::parse_program(options.job.program);
   for_each_frame(inputs, options.job.threads, progress, [&] {
     const std::vector<FrameResult> played =
-        simulate_configs(inputs, program, configs, "sustain", options.job.threads, progress);
+        RecordedFrame(inputs, program, "sustain", options.job.threads, progress).simulate(configs);
     for (std::size_t i = 0; i < played.size(); ++i) {
       study.steps[i].frames.push_back(sustain_frame(played[i].energy, played[i].elapsed));
     }
