@@ -113,7 +113,7 @@ class DramChannel {
       counter(NAMED(s.refreshes_all), "refreshes of all banks of a rank", "dram.refresh_all");
       counter(NAMED(s.turnarounds), "changes of direction between reads and writes", "", sim::CounterKind::kAtEnd);
       counter(NAMED(s.read_latency), "sum over reads of cycles from arrival here to the last data");
-      counter(NAMED(s.read_latency_max), "the longest of these", "", sim::CounterKind::kPeak);
+      counter(NAMED(s.read_latency_max), "the longest of these latencies", "", sim::CounterKind::kPeak);
       counter(NAMED(s.active_standby), "cycles with a row open, summed over ranks", "dram.active_standby",
               sim::CounterKind::kAtEnd);
       counter(NAMED(s.precharge_standby), "cycles with every row closed, summed over ranks", "dram.precharge_standby",

@@ -202,8 +202,8 @@ class MemoryInterface {
       counter(NAMED(s.ray_reads), "lines or parts of lines of rays read", "", kAtEnd);
       counter(NAMED(s.hit_writes), "lines or parts of lines of hits written", "", kAtEnd);
       counter(NAMED(s.hit_reads), "lines or parts of lines of hits read", "", kAtEnd);
-      counter(NAMED(s.ray_latency), "cycles from a ray's arrival until it leaves, of all rays together", "", kAtEnd);
-      counter(NAMED(s.hit_latency), "the same for hits", "", kAtEnd);
+      counter(NAMED(s.ray_latency), "cycles from arrival to departure, summed over rays", "", kAtEnd);
+      counter(NAMED(s.hit_latency), "cycles from arrival to departure, summed over hits", "", kAtEnd);
     }
   };
   using Rays = MemoryFifo<RayJob>;

@@ -53,10 +53,10 @@ class TileDispatcher {
   struct Stats {
     std::uint64_t dispatched = 0, finished = 0, borders = 0, early = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(NAMED(s.dispatched), "tiles handed to cores");
-      counter(NAMED(s.finished), "tiles the cores are through with");
+      counter(NAMED(s.dispatched), "tiles dispatched to cores");
+      counter(NAMED(s.finished), "tiles finished by cores");
       counter(NAMED(s.borders), "borders of tiles that the cores have written to memory");
-      counter(NAMED(s.early), "tiles handed out before all borders that they import were there");
+      counter(NAMED(s.early), "tiles dispatched before all their imported borders were in memory");
     }
   };
   struct Links {

@@ -71,10 +71,10 @@ class CorePort {
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.requests), "requests carried up", "interconnect.request");
       counter(NAMED(s.lines_down), "lines carried down to a client", "interconnect.line");
-      counter(NAMED(s.lines_up), "lines, or pieces of one, carried up by writes", "interconnect.line");
-      counter(NAMED(s.request_wait), "cycles requests waited for their turn and for room, all together", "",
+      counter(NAMED(s.lines_up), "whole or partial lines carried up by writes", "interconnect.line");
+      counter(NAMED(s.request_wait), "cycles that requests waited for arbitration and room, summed over requests", "",
               sim::CounterKind::kAtEnd);
-      counter(NAMED(s.line_wait), "cycles lines waited for their turn and for room, all together", "",
+      counter(NAMED(s.line_wait), "cycles that lines waited for arbitration and room, summed over lines", "",
               sim::CounterKind::kAtEnd);
     }
   };

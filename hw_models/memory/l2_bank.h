@@ -148,20 +148,20 @@ class L2Bank {
     std::uint64_t latency = 0, memory_cycles = 0, line_cycles = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.reads), "requests looked up: hits + misses");
-      counter(NAMED(s.hits), "requests that found their line", "cache.l2_read");
-      counter(NAMED(s.misses), "requests that did not", "cache.l2_probe");
-      counter(NAMED(s.merges), "misses whose line was already on its way");
+      counter(NAMED(s.hits), "requests that hit", "cache.l2_read");
+      counter(NAMED(s.misses), "requests that missed", "cache.l2_probe");
+      counter(NAMED(s.merges), "misses whose line was already in flight");
       counter(NAMED(s.fills), "lines filled from memory", "cache.l2_fill");
-      counter(NAMED(s.writes), "writes of a line or of pieces of one: stored + not_stored");
-      counter(NAMED(s.write_hits), "writes that found their line, whole or in part; of writes back also on its way");
-      counter(NAMED(s.stored), "writes put into the cache", "cache.l2_fill");
-      counter(NAMED(s.not_stored), "writes that were not", "cache.l2_probe");
+      counter(NAMED(s.writes), "writes of whole or partial lines: stored + not_stored");
+      counter(NAMED(s.write_hits), "writes whose line was cached in whole or in part; with write-back also in flight");
+      counter(NAMED(s.stored), "writes stored in the cache", "cache.l2_fill");
+      counter(NAMED(s.not_stored), "writes that were not stored", "cache.l2_probe");
       counter(NAMED(s.passed_on), "writes passed on to memory");
-      counter(NAMED(s.written_back), "lines, or pieces of one, written to memory later", "cache.l2_read");
+      counter(NAMED(s.written_back), "whole or partial lines written to memory later", "cache.l2_read");
       counter(NAMED(s.bytes_written), "bytes of all writes");
-      counter(NAMED(s.bytes_overwritten), "of these, bytes written again before memory had them");
+      counter(NAMED(s.bytes_overwritten), "of these, bytes overwritten before they were written to memory");
       counter(NAMED(s.bytes_to_memory), "bytes written to memory");
-      counter(NAMED(s.latency), "cycles from the arrival of reads to their lines leaving, all together", "",
+      counter(NAMED(s.latency), "cycles from a read's arrival to its line's departure, summed over reads", "",
               sim::CounterKind::kAtEnd);
       counter(NAMED(s.memory_cycles), "of these, cycles in which misses waited for their lines", "",
               sim::CounterKind::kAtEnd);

@@ -47,23 +47,21 @@ struct SrpStats {
   static void describe(auto& s, auto&& counter) {
     counter(NAMED(s.tiles), "tiles taken");
     counter(NAMED(s.chunks), "loops run on the array: a chunk of a launch, or several merged");
-    counter(NAMED(s.launches), "chunks of launches in these");
+    counter(NAMED(s.launches), "chunks of launches in these loops");
     counter(NAMED(s.merged), "loops of more than one chunk");
     counter(NAMED(s.items), "work items run on the array, idle ones included");
     counter(NAMED(s.switches), "kernel switches");
     counter(NAMED(s.resident_switches), "of these, to kernels in configuration memory");
     counter(NAMED(s.cold_switches), "of these, to kernels that were loaded first");
-    counter(NAMED(s.config_rows_switched), "configuration rows that switches brought to the array",
-            "srp.config_switch");
+    counter(NAMED(s.config_rows_switched), "configuration rows moved to the array by switches", "srp.config_switch");
     counter(NAMED(s.config_rows_loaded), "configuration rows loaded by cold switches", "srp.config_load");
     counter(NAMED(s.rays), "rays sent to the T&I unit", "tni.ray_route");
-    counter(NAMED(s.hits), "hits taken back", "tni.hit_route");
+    counter(NAMED(s.hits), "hits received from the T&I unit", "tni.hit_route");
     counter(NAMED(s.fed), "cycles with rays in the T&I unit");
     counter(NAMED(s.awaited), "of these, cycles with nothing on the array");
     counter(NAMED(s.fp_add), "additions and subtractions", energy_event_of(OpClass::kFpAdd));
     counter(NAMED(s.fp_mul), "multiplications", energy_event_of(OpClass::kFpMul));
-    counter(NAMED(s.fp_mul_add), "multiplications with the addition of their product",
-            energy_event_of(OpClass::kFpMulAdd));
+    counter(NAMED(s.fp_mul_add), "fused multiply-adds", energy_event_of(OpClass::kFpMulAdd));
     counter(NAMED(s.fp_div_sqrt), "divisions and square roots", energy_event_of(OpClass::kFpDivSqrt));
     counter(NAMED(s.fp_compare), "comparisons, minima and maxima", energy_event_of(OpClass::kFpCompare));
     counter(NAMED(s.int_add), "integer additions and comparisons", energy_event_of(OpClass::kIntAdd));
@@ -75,12 +73,12 @@ struct SrpStats {
     counter(NAMED(s.rf_writes), "register results written", "srp.rf_write");
     counter(NAMED(s.route_hops), "operands routed between units", "srp.route_hop");
     counter(NAMED(s.config_reads), "configuration words read, one per unit and cycle", "srp.config_read");
-    counter(NAMED(s.cache_accesses), "lines asked of the data cache, retries included");
+    counter(NAMED(s.cache_accesses), "probes of the data cache, retries included");
     counter(NAMED(s.cache_hits), "of these, lines found", "cache.l1_read");
     counter(NAMED(s.cache_misses), "of these, lines not found", "cache.l1_probe");
     counter(NAMED(s.cache_fills), "lines filled", "cache.l1_fill");
     counter(NAMED(s.cache_miss_cycles), "sum over lines of cycles from the miss to the line's arrival");
-    counter(NAMED(s.mshr_full), "misses that found no free miss register");
+    counter(NAMED(s.mshr_full), "misses that found no free MSHR");
     counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
   }
 

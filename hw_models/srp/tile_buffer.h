@@ -93,7 +93,7 @@ class TileBuffer {
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.reads), "16-byte reads", "tile.read");
       counter(NAMED(s.writes), "16-byte writes", "tile.write");
-      counter(NAMED(s.bank_conflicts), "cycles for which a kernel stood still for a bank");
+      counter(NAMED(s.bank_conflicts), "cycles in which a kernel stalled because of bank conflicts");
       counter(NAMED(s.slots_taken), "ray slots taken");
       counter(NAMED(s.slots_peak), "most ray slots in use at once", "", sim::CounterKind::kPeak);
       counter(NAMED(s.spilled_slots), "ray slots that did not fit and went through memory");

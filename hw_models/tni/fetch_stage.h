@@ -18,16 +18,16 @@ struct FetchStats {
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
   static void describe(auto& s, auto&& counter) {
     counter(NAMED(s.l1_accesses), "probes of the L1, retries included", "tni.ray_buffer_read");
-    counter(NAMED(s.l1_hits), "probes that found the line", "cache.l1_read");
-    counter(NAMED(s.l1_misses), "probes that did not", "cache.l1_probe");
-    counter(NAMED(s.l1_late), "lines read that the first probe for them had not found");
+    counter(NAMED(s.l1_hits), "probes that hit", "cache.l1_read");
+    counter(NAMED(s.l1_misses), "probes that missed", "cache.l1_probe");
+    counter(NAMED(s.l1_late), "lines read whose first probe missed");
     counter(NAMED(s.l1_fills), "lines filled", "cache.l1_fill");
-    counter(NAMED(s.mshr_full), "misses that found no free miss register");
+    counter(NAMED(s.mshr_full), "misses that found no free MSHR");
     counter(NAMED(s.l1_miss_cycles), "cycles from miss to line, summed over lines filled");
-    counter(NAMED(s.rau_fills), "lines put into the table of waiting rays", "tni.rau_write");
-    counter(NAMED(s.rau_writes), "rays or leaves put into that table", "tni.rau_write");
-    counter(NAMED(s.rau_reads), "of these, those that went on with their line", "tni.rau_read");
-    counter(NAMED(s.rau_full), "misses that found the table or their row of it full");
+    counter(NAMED(s.rau_fills), "lines written to the table of waiting rays", "tni.rau_write");
+    counter(NAMED(s.rau_writes), "rays or leaves added to the table of waiting rays", "tni.rau_write");
+    counter(NAMED(s.rau_reads), "of these, rays or leaves resumed with their line", "tni.rau_read");
+    counter(NAMED(s.rau_full), "misses that found the table of waiting rays, or their row of it, full");
   }
 };
 

@@ -62,7 +62,7 @@ class Ist {
       counter(NAMED(s.edge_tests), "of these, tests that reached the barycentric phase", "tni.tri_phase2");
       counter(NAMED(s.hits), "of these, tests that reached the hit phase", "tni.tri_phase3");
       FetchStats::describe(s, counter);
-      counter(NAMED(s.bypass_passes), "times a leaf went through the pipe without work, having missed",
+      counter(NAMED(s.bypass_passes), "passes of a leaf that missed through the pipe, without work",
               "tni.tri_bypass_pass");
     }
   };

@@ -35,7 +35,7 @@ class RayDispatcher {
     std::uint64_t rays_in = 0, hits_out = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays dispatched", "tni.ray_setup");
-      counter(NAMED(s.hits_out), "hits sent back", "tni.hit_route");
+      counter(NAMED(s.hits_out), "hits returned to the shader core", "tni.hit_route");
     }
   };
   struct Links {

@@ -95,19 +95,18 @@ class Trv {
       counter(NAMED(s.rays_in), "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.rays_out), "rays retired", "tni.ray_buffer_read");
       counter(NAMED(s.full), "cycles with a ray in every slot", "", sim::CounterKind::kAtEnd);
-      counter(NAMED(s.full_visits), "visits in these");
+      counter(NAMED(s.full_visits), "visits in these cycles");
       counter(NAMED(s.visits), "nodes tested, restarts included", "tni.ray_update");
       counter(NAMED(s.restarted_visits), "of these, nodes tested again after a restart");
-      counter(NAMED(s.first_passes), "visits' passes for the first child alone (one box tester)", "tni.ray_update");
+      counter(NAMED(s.first_passes), "passes that test the first child only (one box tester)", "tni.ray_update");
       counter(NAMED(s.box_tests), "child boxes tested, floating-point", "tni.box_test");
       counter(NAMED(s.hybrid_box_tests), "child boxes tested, fixed-point planes and origin", "tni.box_test_hybrid");
-      counter(NAMED(s.transforms), "rays carried into the space of an instance, restarts included",
-              "tni.ray_transform");
+      counter(NAMED(s.transforms), "rays transformed into an instance's space, restarts included", "tni.ray_transform");
       FetchStats::describe(s, counter);
-      counter(NAMED(s.bypass_passes), "times a ray went through the box pipe without work, having missed",
+      counter(NAMED(s.bypass_passes), "passes of a ray that missed through the box pipe, without work",
               "tni.bypass_pass");
-      counter(NAMED(s.prefetch_probes), "far nodes looked up ahead of need", "cache.l1_probe");
-      counter(NAMED(s.prefetches), "of these, lines asked for");
+      counter(NAMED(s.prefetch_probes), "far nodes probed for prefetching", "cache.l1_probe");
+      counter(NAMED(s.prefetches), "of these, lines requested from memory");
       StackStats::describe(s, counter);
       counter(NAMED(s.leaves), "leaves sent to the intersection unit", "tni.ray_route");
     }
