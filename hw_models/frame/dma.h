@@ -29,10 +29,9 @@ class Dma {
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kEncoding, kWaiting, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle_reason("idle", "no transfer")},
-      {CycleReason::kMoving, sim::working_reason("moving", "a request left")},
+      {CycleReason::kMoving, sim::working_reason("moving", "a request was sent")},
       {CycleReason::kEncoding, sim::working_reason("encoding", "a line's pixels are sRGB-encoded")},
-      {CycleReason::kWaiting,
-       sim::waiting_reason("waiting", "lines are on their way, or there is no room for a request")},
+      {CycleReason::kWaiting, sim::waiting_reason("waiting", "lines are in flight, or a request waits for room")},
   });
   struct Stats {
     struct Lines {

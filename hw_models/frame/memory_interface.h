@@ -185,8 +185,9 @@ class MemoryInterface {
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kMemory, kPortFull, kOutputFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle_reason("idle", "nothing inside")},
-      {CycleReason::kMoving, sim::working_reason("moving", "a record came or went, or a request left")},
-      {CycleReason::kMemory, sim::waiting_reason("memory", "records are on their way through memory")},
+      {CycleReason::kMoving,
+       sim::working_reason("moving", "a record was accepted or delivered, or a request was sent")},
+      {CycleReason::kMemory, sim::waiting_reason("memory", "records are being written to or read from memory")},
       {CycleReason::kPortFull, sim::waiting_reason("port_full", "a request waits for the port")},
       {CycleReason::kOutputFull, sim::waiting_reason("output_full", "a record waits for its reader")},
   });

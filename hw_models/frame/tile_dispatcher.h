@@ -45,10 +45,10 @@ class TileDispatcher {
   static constexpr Block kBlock = Block::kInterconnect;
   enum class CycleReason : std::uint8_t { kIdle, kDispatching, kCoresFull, kWaiting, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle_reason("idle", "every tile is out")},
-      {CycleReason::kDispatching, sim::working_reason("dispatching", "a tile went to a core")},
+      {CycleReason::kIdle, sim::idle_reason("idle", "every tile is dispatched")},
+      {CycleReason::kDispatching, sim::working_reason("dispatching", "a tile was dispatched to a core")},
       {CycleReason::kCoresFull, sim::waiting_reason("cores_full", "no core has room for a tile")},
-      {CycleReason::kWaiting, sim::waiting_reason("waiting", "the next tile needs all before it to be finished")},
+      {CycleReason::kWaiting, sim::waiting_reason("waiting", "the next tile waits for all earlier tiles")},
   });
   struct Stats {
     std::uint64_t dispatched = 0, finished = 0, borders = 0, early = 0;

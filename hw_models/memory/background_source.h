@@ -55,9 +55,9 @@ class BackgroundSource {
   enum class CycleReason : std::uint8_t { kStopped, kSending, kPaced, kBlocked, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kStopped, sim::idle_reason("stopped", "the frame is over")},
-      {CycleReason::kSending, sim::working_reason("sending", "a request left")},
+      {CycleReason::kSending, sim::working_reason("sending", "a request was sent")},
       {CycleReason::kPaced, sim::background_reason("paced", "the next line is not due yet")},
-      {CycleReason::kBlocked, sim::waiting_reason("blocked", "a line is due and the channel accepts none")},
+      {CycleReason::kBlocked, sim::waiting_reason("blocked", "a line is due and the channel has no room")},
   });
   struct Stats {
     std::uint64_t reads = 0, writes = 0;

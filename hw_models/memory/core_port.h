@@ -60,10 +60,10 @@ class CorePort {
   enum class CycleReason : std::uint8_t { kIdle, kRequest, kLine, kTargetFull, kClientFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle_reason("idle", "nothing to carry")},
-      {CycleReason::kRequest, sim::working_reason("request", "a request went up")},
-      {CycleReason::kLine, sim::working_reason("line", "a line was under way, up or down")},
+      {CycleReason::kRequest, sim::working_reason("request", "a request was sent up")},
+      {CycleReason::kLine, sim::working_reason("line", "a line was transferred, up or down")},
       {CycleReason::kTargetFull, sim::waiting_reason("target_full", "requests wait for a target's queue")},
-      {CycleReason::kClientFull, sim::waiting_reason("client_full", "a line waits for its client")},
+      {CycleReason::kClientFull, sim::waiting_reason("client_full", "a line waits for room at its client")},
   });
   struct Stats {
     std::uint64_t requests = 0, lines_down = 0, lines_up = 0;

@@ -133,13 +133,14 @@ class L2Bank {
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle_reason("idle", "nothing inside")},
-      {CycleReason::kServing, sim::working_reason("serving", "a request or a line came in, or a line went out")},
+      {CycleReason::kServing, sim::working_reason("serving", "a request or a line was accepted, or a line was sent")},
       {CycleReason::kLookup, sim::working_reason("lookup", "requests are inside the pipeline")},
       {CycleReason::kMemory, sim::waiting_reason("memory", "every request inside waits for DRAM")},
       {CycleReason::kMshrFull,
-       sim::waiting_reason("mshr_full", "the head found no MSHR, or no room among its line's targets")},
-      {CycleReason::kMemoryFull, sim::waiting_reason("memory_full", "memory does not take what is written to it")},
-      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "a line cannot leave towards its core")},
+       sim::waiting_reason("mshr_full",
+                           "the request at the head found no free MSHR, or no free target in its line's MSHR")},
+      {CycleReason::kMemoryFull, sim::waiting_reason("memory_full", "a write waits for room at memory")},
+      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "a line waits for room towards its core")},
   });
   struct Stats {
     std::uint64_t reads = 0, hits = 0, misses = 0, merges = 0, fills = 0;

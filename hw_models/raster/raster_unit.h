@@ -261,14 +261,14 @@ class RasterUnit {
       {CycleReason::kIdle, sim::idle_reason("idle", "no wave and no batch")},
       {CycleReason::kCovering, sim::working_reason("covering", "blocks and quads of a triangle are tested")},
       {CycleReason::kListing,
-       sim::working_reason("listing", "a triangle is put into lists, or a batch's lists are written")},
+       sim::working_reason("listing", "a triangle is added to lists, or a batch's lists are written")},
       {CycleReason::kSettingUp, sim::working_reason("setting_up", "a triangle is set up, and none is being covered")},
       {CycleReason::kTransforming,
        sim::working_reason("transforming", "vertices are transformed, and none is being listed")},
-      {CycleReason::kWriting, sim::working_reason("writing", "a wave's hits go to the tile buffer")},
+      {CycleReason::kWriting, sim::working_reason("writing", "a wave's hits are written to the tile buffer")},
       {CycleReason::kFetching, sim::working_reason("fetching", "lines are looked up, and no triangle is ready")},
-      {CycleReason::kMemory, sim::waiting_reason("memory", "lines that triangles need are on their way")},
-      {CycleReason::kPortFull, sim::waiting_reason("port_full", "what is written waits for the way to memory")},
+      {CycleReason::kMemory, sim::waiting_reason("memory", "the lines that triangles need are in flight")},
+      {CycleReason::kPortFull, sim::waiting_reason("port_full", "writes wait for the port to memory")},
   });
   using Stats = RasterStats;
   struct Links {

@@ -64,13 +64,11 @@ class Srp {
       {CycleReason::kStarved, sim::idle_reason("starved", "no tile")},
       {CycleReason::kRunning, sim::working_reason("running", "a kernel's loop is on the array")},
       {CycleReason::kSwitching, sim::working_reason("switching", "the array is being configured for another kernel")},
-      {CycleReason::kCacheMiss,
-       sim::waiting_reason("cache_miss", "the array stands still for a line of the data cache")},
-      {CycleReason::kBanks,
-       sim::working_reason("banks", "the array stands still because accesses meet in a bank of the tile buffer")},
+      {CycleReason::kCacheMiss, sim::waiting_reason("cache_miss", "the array is stalled for a line of the data cache")},
+      {CycleReason::kBanks, sim::working_reason("banks", "the array is stalled by bank conflicts in the tile buffer")},
       {CycleReason::kWaiting, sim::waiting_reason("waiting", "launches wait for rays in the T&I unit, or for the DMA")},
       {CycleReason::kBorders,
-       sim::waiting_reason("borders", "transfers wait for borders of other tiles, and nothing else moves")},
+       sim::waiting_reason("borders", "only transfers that wait for borders of other tiles are left")},
       {CycleReason::kNoSlots, sim::waiting_reason("no_slots", "a launch waits for free ray slots in the tile buffer")},
   });
   using Stats = SrpStats;

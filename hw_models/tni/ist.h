@@ -48,9 +48,10 @@ class Ist {
       {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "leaves wait for triangle lines")},
       {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "leaves wait for a free MSHR")},
       {CycleReason::kPipe, sim::working_reason("pipe", "leaves are all inside the pipeline")},
-      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "answers cannot leave")},
+      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "answers wait for room at their TRV")},
       {CycleReason::kRauFull,
-       sim::waiting_reason("rau_full", "a leaf stands in the fetch stage for lack of room in the table (rau)")},
+       sim::waiting_reason("rau_full",
+                           "a leaf stalls the fetch stage because the table of waiting rays is full (rau)")},
   });
   struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;

@@ -28,8 +28,8 @@ class RayDispatcher {
   enum class CycleReason : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kStarved, sim::idle_reason("starved", "no ray to dispatch")},
-      {CycleReason::kDispatching, sim::working_reason("dispatching", "a ray went to a TRV, or a hit left")},
-      {CycleReason::kTrvsFull, sim::waiting_reason("trvs_full", "no TRV takes the ray that waits")},
+      {CycleReason::kDispatching, sim::working_reason("dispatching", "a ray was sent to a TRV, or a hit was returned")},
+      {CycleReason::kTrvsFull, sim::waiting_reason("trvs_full", "no TRV has room for the waiting ray")},
   });
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;

@@ -72,16 +72,19 @@ class Trv {
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kStarved, sim::idle_reason("starved", "no ray inside")},
       {CycleReason::kVisiting,
-       sim::working_reason("visiting", "a node, a line of it or a ray for an instance entered the box pipe")},
+       sim::working_reason("visiting",
+                           "a node visit, one line of it, or a transform into an instance entered the box pipe")},
       {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "rays wait for node lines, or this cycle's probe missed")},
       {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "rays wait for a free MSHR")},
       {CycleReason::kIst, sim::waiting_reason("ist", "rays wait for the intersection unit")},
       {CycleReason::kPipe,
        sim::working_reason("pipe", "rays are all inside the pipelines: too few of them to fill the latency")},
-      {CycleReason::kOutputFull, sim::waiting_reason("output_full", "finished rays cannot leave")},
-      {CycleReason::kSerial, sim::working_reason("serial", "a pop or a leaf was in the one pipe (box_testers 1)")},
+      {CycleReason::kOutputFull,
+       sim::waiting_reason("output_full", "finished rays wait for room at the ray dispatcher")},
+      {CycleReason::kSerial,
+       sim::working_reason("serial", "a pop or a leaf occupied the shared pipe (box_testers: 1)")},
       {CycleReason::kRauFull,
-       sim::waiting_reason("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
+       sim::waiting_reason("rau_full", "a ray stalls the fetch stage because the table of waiting rays is full (rau)")},
   });
   struct Stats : FetchStats, StackStats {
     std::uint64_t visits = 0, leaves = 0;
