@@ -83,7 +83,7 @@ std::string page_of(const Graph& graph) {
   page << "# Which folder includes which\n\n"
           "`tests/structure/include_graph_test.cc` writes this page from the sources, with RAYWATT_UPDATE=1. No arrow "
           "points\n"
-          "up, and there is no cycle. The drawing omits arrows implied by others; the table has all.\n\n"
+          "up, and there is no cycle. Arrows implied by others are left out.\n\n"
           "Parts of one subject are drawn as one folder: `shader_kernels` with its kernels; `traces/accel`, "
           "`traces/scene`,\n"
           "`traces/scenes` and `tools/studies/optimise` with the folders below.\n"
@@ -93,14 +93,7 @@ std::string page_of(const Graph& graph) {
   for (const std::string& folder : order) {
     for (const std::string& below : arrows(graph, folder)) page << "  " << folder << " --> " << below << '\n';
   }
-  page << "```\n\n| folder | includes |\n|---|---|\n";
-  for (const std::string& folder : order) {
-    page << "| `" << folder << "` |";
-    for (const std::string& below : graph.at(folder)) {
-      page << (below == *graph.at(folder).begin() ? " `" : ", `") << below << '`';
-    }
-    page << " |\n";
-  }
+  page << "```\n";
   return page.str();
 }
 

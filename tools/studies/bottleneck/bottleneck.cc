@@ -51,7 +51,7 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // A ray inside the triangle unit is assumed to wait as often as that unit does.
+  // A ray inside the triangle unit is assumed to wait for the same share of time as that unit.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
   const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;

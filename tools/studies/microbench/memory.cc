@@ -115,7 +115,7 @@ class MemoryForms {
   UpperBound l2_mshrs(Level level) const {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Returns the bound due to `count` MSHRs of a first-level cache, each of which handles one miss after the other.
+  /// Returns the bound due to `count` MSHRs of a first-level cache, which each handle one miss after the other.
   /// MSHRs start in consecutive cycles, so their clock phases differ. With two clocks MSHRs may also delay each other.
   UpperBound l1_mshrs(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
