@@ -13,7 +13,8 @@ namespace traces {
 // 3. A ray is transformed into the space of each instance that it enters. Its direction is not normalised, so distances
 //    are the same in both spaces.
 // 4. Two kinds of meshes are not shared: a mesh that deforms, which has only one instance, and an instance whose matrix
-//    has no inverse in single precision. The triangles of the latter are in world space and its matrix is the identity.
+//    has no inverse in single precision. The triangles of such a flat instance are in world space; its matrix is the
+//    identity.
 
 /// Builds the geometry of a two-level image: trees, triangles, shading records, instances and scene bounds.
 MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config,
