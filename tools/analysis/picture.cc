@@ -60,7 +60,7 @@ constexpr int kDarkened = 4;  // divisor of the brightness of the picture below 
 
 struct Canvas {
   const RenderResult& frame;
-  std::uint32_t width, height;  ///< in samples
+  std::uint32_t width, height;  ///< size of the picture in samples
   std::uint32_t grid;           ///< samples per pixel and axis
 
   /// Paints each sample with `colour(mark, x, y)`.

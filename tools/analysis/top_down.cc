@@ -43,7 +43,7 @@ double safe_ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) /
 
 /// Mean latencies of L2 and memory in ns, and causes of queues in the L2.
 struct MemoryLatencies {
-  double l2 = 0;            ///< from the arrival of a read to the departure of its line
+  double l2 = 0;            ///< time from the arrival of a read at the L2 to the departure of its line
   double dram = 0;          ///< part of `l2` that waits for memory
   double blocked_bank = 0;  ///< part of `l2` that waits for an MSHR or for room on the way to memory
   double port_blocked = 0;  ///< share of the queues in front of the L2 that wait for an MSHR or for memory, 0 to 1

@@ -114,7 +114,7 @@ Utilisation utilisation_of(std::span<const sim::UnitReport> units);
 
 /// Estimated speed-up if a resource were ideal.
 struct Estimate {
-  std::string resource;  ///< as in hw::IdealConfig
+  std::string resource;  ///< name of the resource, as in hw::IdealConfig
   double speedup = 1;
 };
 

@@ -87,7 +87,8 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
 
 /// The configuration keys that --set accepts, for completion scripts.
 struct SetKeys {
-  std::vector<std::string> every, of_energy;  ///< in order of declaration; `of_energy`: keys that affect energy only
+  /// All keys in order of declaration; `of_energy`: keys that affect only energy.
+  std::vector<std::string> every, of_energy;
   std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< values of a key: words, or names of files
 };
 

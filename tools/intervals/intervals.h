@@ -130,7 +130,7 @@ struct IntervalSeries {
 /// - `rays_in_flight` (rays): `tni`, the rays inside T&I units at the interval's end
 struct IntervalTable {
   std::vector<double> begin_us, end_us;
-  std::vector<IntervalSeries> series;  ///< in the order above; series of a group are adjacent
+  std::vector<IntervalSeries> series;  ///< series in the order of this list; series of a group are adjacent
 
   const IntervalSeries* find(std::string_view group, std::string_view name) const;
 };

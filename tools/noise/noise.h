@@ -18,7 +18,7 @@ double student_t_above(double t, double degrees);
 struct Draws {
   std::size_t count = 0;
   double mean = 0;
-  double deviation = 0;  ///< of one draw, with count - 1 degrees of freedom; 0 for a single draw
+  double deviation = 0;  ///< standard deviation of one draw, with count - 1 degrees of freedom; 0 for a single draw
 
   /// Returns half of the 95 % interval of the mean, by Student's t; 0 for a single draw.
   double half_width() const;
@@ -33,7 +33,8 @@ struct MeanDifference {
 
   /// Returns half of its 95 % interval.
   double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
-  /// Returns the one-sided p-value: the probability of such a difference or a larger one if the true one is zero.
+  /// Returns the one-sided p-value: the probability of a difference at least as large as `value` if the true difference
+  /// is zero.
   double chance_above() const;
 };
 MeanDifference difference_of(const Draws& a, const Draws& b);

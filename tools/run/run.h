@@ -28,7 +28,7 @@ struct Whole {
 
 /// The tiles of a frame are split into slices, simulated concurrently on machines of their own (docs/slices.md).
 struct Sliced {
-  std::uint32_t slices = 1;  ///< or kAutoSlices
+  std::uint32_t slices = 1;  ///< slices per frame; kAutoSlices: chosen automatically
 };
 
 /// What a run simulates and how. Invalid combinations of options cannot be represented.

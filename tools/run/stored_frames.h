@@ -57,7 +57,7 @@ class StoredFrames final : public FrameSource {
   std::size_t index_ = 0;                  ///< index of the current frame in the trace
   double squared_error_ = 0;               ///< mean squared error of the current frame's picture
   std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace
-  std::optional<std::size_t> tree_;        ///< the loaded tree
+  std::optional<std::size_t> tree_;        ///< index of the loaded BVH in the trace; none before the first frame
   traces::TileScope scope_;
   Caches caches_, reference_caches_;  ///< at the end of the last frame
 };

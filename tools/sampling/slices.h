@@ -49,7 +49,7 @@ struct PlayedSlice {
 struct SlicePart {
   PlayedSlice played;
   RenderResult rendered;
-  double wall_seconds = 0;  ///< host
+  double wall_seconds = 0;  ///< elapsed host time
 };
 
 /// Serialises the results of a slice without loss, for join_slices(). Names of units and the structure of the machine

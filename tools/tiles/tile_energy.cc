@@ -202,7 +202,7 @@ class TileWeights {
     return all;
   }
 
-  /// Returns the kind of work for a counter of a unit; none if it depends on time.
+  /// Returns the kind of work by which the energy of a unit's counter is shared; none if that energy depends on time.
   static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter) {
     const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
     const auto found = std::ranges::find_if(special_rules(), is_it);
@@ -348,9 +348,10 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
 
 namespace {
 
-constexpr double kMillijoulesPerPicojoule = 1e-9;  // as in report_json.cc: figures agree to the last bit
+// the same factor as in reports, so that figures agree to the last bit
+constexpr double kMillijoulesPerPicojoule = 1e-9;
 
-/// Returns the number that must be added to a sum so that it is exactly `whole`.
+/// Returns the number that gives exactly `whole` when it is added to `sum`, in spite of rounding.
 double missing_to(double whole, double sum) {
   double rest = whole - sum;
   while (sum + rest < whole) rest = std::nextafter(rest, INFINITY);

@@ -37,7 +37,8 @@ struct RecordedSlice {
 /// Work of the memory side in one bin of time.
 struct MemoryBin {
   std::uint64_t l2_hits = 0, l2_misses = 0;
-  std::uint64_t lines_read = 0, lines_written = 0;  ///< by memory, counted when their data end
+  /// Lines that the memory has read and written, counted when their data end.
+  std::uint64_t lines_read = 0, lines_written = 0;
 };
 
 /// Records a machine's activity in a frame for a timeline.
@@ -79,7 +80,7 @@ class TimelineRecorder final : public hw::Observer {
 
   std::uint32_t newest_ = 0;                 ///< highest entry of the tile list that a core has taken
   std::vector<std::vector<Slot>> slots_;     ///< by core
-  std::vector<std::vector<Batch>> batches_;  ///< by core, in flight
+  std::vector<std::vector<Batch>> batches_;  ///< batches of rays in flight, by core
   std::vector<RecordedSlice> slices_;
   std::vector<MemoryBin> memory_;
 };
@@ -89,7 +90,7 @@ struct TimelineSelection {
   enum class Kind : std::uint8_t { kAll, kSlowest, kTile, kPixel };
   Kind kind = Kind::kAll;
   std::uint32_t count = 0;     ///< kSlowest
-  std::uint32_t x = 0, y = 0;  ///< kTile: column and row of the tile; kPixel: of the picture
+  std::uint32_t x = 0, y = 0;  ///< kTile: column and row of the tile; kPixel: column and row of the pixel
   bool needs_places() const { return kind == Kind::kTile || kind == Kind::kPixel; }
 };
 

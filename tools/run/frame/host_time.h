@@ -12,8 +12,8 @@ namespace tools {
 
 /// Speed of the host, as CPU seconds per traversal step.
 struct HostRate {
-  double functional = 0;  ///< for tracing and shading
-  double machine = 0;     ///< for simulating the machine
+  double functional = 0;  ///< CPU seconds per step for tracing and shading
+  double machine = 0;     ///< CPU seconds per step for simulating the machine
 };
 /// Typical speed of a host, used where none is measured.
 inline constexpr HostRate kUsualRate{.functional = 12e-9, .machine = 100e-9};

@@ -107,7 +107,8 @@ class Device {
   const std::vector<SustainStep>& steps_;
   const SustainSetup& setup_;
   const sim::ThermalNetwork network_;
-  std::vector<std::vector<sim::ThermalNetwork::Decay>> decays_;  ///< by step and frame
+  /// Thermal decay during each frame, by step and frame.
+  std::vector<std::vector<sim::ThermalNetwork::Decay>> decays_;
   ThermalGovernor governor_;
   sim::Temperatures now_;
   double last_decision_ = 0;  ///< time of the governor's last decision, in s

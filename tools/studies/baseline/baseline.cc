@@ -45,7 +45,7 @@ std::string number_text(double number) {
                                                                  : fmt::format("{:.6g}", number);
 }
 
-/// "100 -> 104 (+4, +4.0 %)"
+/// Returns the change of a value as text: "100 -> 104 (+4, +4.0 %)".
 std::string moved_text(const Moved& moved) {
   if (!moved.was) return fmt::format("{}, not stored", number_text(*moved.is));
   if (!moved.is) return fmt::format("was {}, is missing", number_text(*moved.was));
@@ -99,7 +99,7 @@ std::string run_details(const RunCheck& run) {
   return out;
 }
 
-/// Returns the key pairs that differ in any run, without duplicates.
+/// Returns the configuration keys that differ in at least one run, with both values, without duplicates.
 std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
   std::vector<KeyPair> out;
   for (const RunCheck& run : checked.runs) {

@@ -48,7 +48,8 @@ struct Measured {
   double seconds = 0;  ///< host time
 };
 
-/// Returns the report of a run, or {"error": text, "is_input": true if the user can fix it}. std::bad_alloc is thrown.
+/// Returns the report of a run, or {"error": text, "is_input": true if the user can fix it}. Only std::bad_alloc is
+/// thrown.
 Json report_or_error(const JobOptions& options) {
   try {
     return plain_report(load_inputs(options), options);

@@ -30,15 +30,16 @@ std::string unit_of_key(std::string_view key);
 /// True if a unit kind is the unit that a key configures, or a subunit of it: "core.tni.trv" is part of "tni".
 bool is_part_of(std::string_view kind, std::string_view unit);
 
-/// "l2.mshrs was 32, is 8"
+/// Returns the change of one key as text: "l2.mshrs was 32, is 8".
 std::string changed_text(const KeyPair& key);
-/// "Changed in l2.bank: l2.mshrs was 32, is 8": a line per key, or per group of more than four keys, sorted by unit.
+/// Returns the changes of several keys as text, "Changed in l2.bank: l2.mshrs was 32, is 8": a line per key, or per
+/// group of more than four keys, sorted by unit.
 std::string changed_text(const std::vector<KeyPair>& keys);
 
 /// The unit that most likely changed between two runs of equal work, according to the counters.
 struct LocatedRegression {
   std::string unit;      ///< kind of unit, "core.tni.trv", or the path between two levels of memory
-  std::string moved;     ///< the counter: "why.pipe 1234 -> 1267 cycles (+33)"
+  std::string moved;     ///< change of the counter: "why.pipe 1234 -> 1267 cycles (+33)"
   double certainty = 0;  ///< 0 to 1; less if other units also moved
   bool is_certain() const { return certainty >= 0.9; }
 };
@@ -59,7 +60,7 @@ std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Va
 struct Moved {
   std::string path;
   std::optional<double> was, is;
-  std::optional<double> noise;  ///< with replicates: half of the 95 % interval of the difference of means
+  std::optional<double> noise;  ///< half of the 95 % interval of the difference of means; only with replicates
 };
 
 /// A run compared with its stored values.

@@ -42,7 +42,7 @@ struct Facts {
 
 /// Numbers of a report by path. Zeros are not stored.
 using Values = std::map<std::string, double>;
-/// Replicate statistics by report path.
+/// Statistics of the replicates of a run, by report path.
 using StoredDraws = std::map<std::string, Draws>;
 
 struct StoredRun {

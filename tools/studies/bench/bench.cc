@@ -150,7 +150,8 @@ class RoundRunner {
   Progress& progress_;
   double peak_mib_ = 0;
   std::unique_ptr<StoredFrames> replay_;
-  std::optional<TileSampling> sampling_;  ///< if tiles of the program can be sampled
+  /// Settings of tile sampling; none if the program's tiles cannot be sampled.
+  std::optional<TileSampling> sampling_;
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };

@@ -29,7 +29,7 @@ struct KeyPair {
 /// Ratio of the energies of two runs within the bands of the energy tables.
 struct EnergyBands {
   EnergyRatio gpu, tni;
-  std::vector<TornadoBar> tornado;  ///< of the GPU with memory
+  std::vector<TornadoBar> tornado;  ///< table entries that change the energy ratio of the GPU with memory most
 };
 
 /// A comparison of two runs.

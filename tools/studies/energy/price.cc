@@ -162,7 +162,7 @@ std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
   return out;
 }
 
-/// Returns a line per run, with all digits.
+/// Returns CSV with a line per run; numbers have all digits.
 std::string priced_csv(const std::vector<Priced>& runs) {
   const std::vector<std::string> axes = axes_of(runs);
   std::vector<std::string> header = {"run", "n"};

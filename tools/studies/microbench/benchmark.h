@@ -14,10 +14,10 @@ struct Measurement {
   /// Relation between measured and expected value that must hold.
   enum class Relation : std::uint8_t {
     kExactly,
-    kClosely,  ///< within 2 %
-    kNearly,   ///< 90 % to 100 % of the form
-    kAtMost,   ///< the form is an upper bound, with 2 % tolerance for start and end
-    kAtLeast,  ///< the form is a lower bound
+    kClosely,  ///< the values differ by at most 2 %
+    kNearly,   ///< the measured value is 90 % to 100 % of the closed form
+    kAtMost,   ///< the closed form is an upper bound, with 2 % tolerance for start and end
+    kAtLeast,  ///< the closed form is a lower bound
   };
   std::string name;
   std::string unit;

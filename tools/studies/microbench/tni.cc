@@ -154,7 +154,7 @@ class TniHarness {
                                         {{}, {0, triangle_bytes}}, memory);
   }
 
-  /// Returns the rays per cycle of the busy unit.
+  /// Returns the measured rays per cycle of the unit while it is busy.
   double rays_per_cycle() {
     sim::run(*this);
     return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /

@@ -9,7 +9,7 @@
 
 namespace tools::optimise {
 
-/// Options of a search; they override those of its file.
+/// Options of `raywatt optimise`. They override the options in the search's file.
 struct Options : LauncherOptions {
   std::filesystem::path file, out, store;
   std::optional<std::uint64_t> budget, seed;

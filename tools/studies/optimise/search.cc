@@ -55,7 +55,7 @@ class Search::Models {
   }
 
   struct Estimated {
-    std::vector<Estimate> metrics;      ///< of the objectives, on the scale of their surrogates
+    std::vector<Estimate> metrics;      ///< estimates of the objectives, on the scale of their surrogates
     double log_feasible = 0;            ///< log probability that the point can be simulated and meets all constraints
     std::optional<double> log_value{};  ///< the logarithm of the acquisition value, if it was needed
   };

@@ -30,7 +30,7 @@ class Search {
  public:
   struct Options {
     std::uint64_t seed = 1;
-    std::uint32_t population = 40;  ///< of NSGA-II; a multiple of 4, at least 8
+    std::uint32_t population = 40;  ///< population of NSGA-II; a multiple of 4, at least 8
   };
   /// `goals`: one or two objectives, then constraints.
   Search(Space space, std::vector<Goal> goals, const Options& options);

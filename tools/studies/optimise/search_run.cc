@@ -180,7 +180,7 @@ bool SearchRun::simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& laun
 bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
                                const sweep::Store& store, const Hooks& hooks) {
   std::vector<Trial> fresh;
-  std::map<std::string, std::size_t> indices;  // of new points
+  std::map<std::string, std::size_t> indices;  // index in `trials_` of each new point, by id
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
     Trial trial;

@@ -41,7 +41,7 @@ class SearchRun {
   SearchRun& operator=(const SearchRun&) = delete;
 
   struct Hooks {
-    /// Called with all points so far before new ones are simulated.
+    /// Called before new points are simulated, with all points including the new ones.
     std::function<void(const std::vector<sweep::Point>& points)> announce;
     sweep::Launcher::PointWatch watch;  ///< called for each point of a batch
   };
@@ -56,10 +56,11 @@ class SearchRun {
   std::vector<const Trial*> pareto_front() const;
   /// Returns the simulated point with the smallest violation of the constraints; null if nothing could be simulated.
   const Trial* least_infeasible() const;
-  const std::vector<Goal>& goals() const { return task_.goals; }  ///< with full metric paths after the first report
-  std::uint64_t simulated_count() const { return simulated_; }    ///< excluding first looks
-  std::uint64_t computed_count() const { return computed_; }      ///< trials that were not in the store
-  std::uint64_t found_count() const { return found_; }            ///< trials that were in the store
+  /// Goals; their metrics have full report paths after the first report.
+  const std::vector<Goal>& goals() const { return task_.goals; }
+  std::uint64_t simulated_count() const { return simulated_; }  ///< excluding first looks
+  std::uint64_t computed_count() const { return computed_; }    ///< trials that were not in the store
+  std::uint64_t found_count() const { return found_; }          ///< trials that were in the store
 
  private:
   /// Simulates points and adds their results to the search. Returns false if interrupted.

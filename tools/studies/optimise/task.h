@@ -39,8 +39,8 @@ struct Task {
   sweep::Spec space;
   std::vector<Goal> goals;        ///< one or two objectives, then constraints
   std::uint64_t budget = 100;     ///< points to simulate
-  std::uint64_t seed = 1;         ///< of all random choices
-  std::uint32_t population = 40;  ///< of NSGA-II
+  std::uint64_t seed = 1;         ///< seed of all random choices
+  std::uint32_t population = 40;  ///< population of NSGA-II
   std::uint32_t batch = 8;        ///< points simulated in parallel
   bool sampled = false;           ///< use first looks by tile sampling
   std::string looks_sampling;     ///< value of --tile-sampling for first looks

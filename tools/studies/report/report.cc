@@ -40,7 +40,8 @@ using sim::Json;
 
 constexpr std::size_t kLongestName = 2000, kLongestCommand = 4000;
 constexpr std::size_t kMostIntervals = 512;
-/// Events below this share of the total, at its low, nominal and high, are joined within their block.
+/// Energy events are merged into one entry per block if they are below this share of the total at its low, nominal and
+/// high value.
 constexpr double kSmallShare = 0.008;
 constexpr const char* kTotal = "GPU with memory";
 

@@ -23,7 +23,7 @@ struct Options {
 /// for an output that may not be replaced.
 void write_report_page(const Options& options);
 
-/// "chess, 1024x512, full:1"
+/// Returns the title of a run: "chess, 1024x512, full:1".
 std::string run_title(const ReportFile& report);
 
 /// Returns the picture block of a run with its overlays and debug pictures, or {missing: reason}.

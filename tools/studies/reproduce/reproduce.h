@@ -25,7 +25,7 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
-/// Identifies a value: "table 1", "teapot", "super", "psnr_db".
+/// Identifies a published or measured value: "table 1", "teapot", "super", "psnr_db".
 struct MetricKey {
   std::string experiment, scene, setting, metric;
   friend auto operator<=>(const MetricKey&, const MetricKey&) = default;

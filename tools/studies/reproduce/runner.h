@@ -126,7 +126,8 @@ class Runner {
   std::string inputs_key_;  ///< inputs_key() of the loaded scene
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
-  std::map<std::string, ProgramResult> results_by_program_;  ///< for the current view and resolution
+  /// Results of each program for the current view and resolution.
+  std::map<std::string, ProgramResult> results_by_program_;
   std::vector<float> truth_;
   std::vector<Mask> masks_;
 };

@@ -41,7 +41,7 @@ using sweep::SweepFolder;
 
 constexpr std::size_t kShownFailures = 20;
 
-/// Returns "12  cores=4, tni.trvs=2".
+/// Returns number and axis values of a point as text: "12  cores=4, tni.trvs=2".
 std::string label_of(const Point& point) {
   std::vector<std::string> parts;
   for (const auto& [name, value] : point.axes) parts.push_back(name + "=" + value);

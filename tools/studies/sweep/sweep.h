@@ -30,7 +30,8 @@ struct PointOptions {
 };
 int compute_points(const PointOptions& options);
 
-/// Joins slices whose last one was computed by a process that was killed before it could join them.
+/// Joins the slices of points whose slices are all computed but not joined, because the process of the last slice was
+/// killed.
 void join_sweep(const sweep::SweepFolder& folder);
 
 /// Prints the progress of the sweep in a folder.

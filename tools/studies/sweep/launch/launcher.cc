@@ -130,7 +130,7 @@ using sim::Json;
 
 constexpr double kEndTimeout = 10;      // s: for workers to end
 constexpr int kPollPeriod = 200;        // ms: after which an interrupt is seen
-constexpr int kAttempts = 2;            // for a point whose worker was killed
+constexpr int kAttempts = 2;            // attempts to compute a point whose worker was killed
 constexpr std::size_t kLogTail = 2000;  // bytes of the output of a worker that are kept
 
 [[noreturn]] void throw_errno(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -142,7 +142,7 @@ void send_message(int socket, const Json& message) {
   }
 }
 
-/// Returns the next message; nothing if the other side has closed its end.
+/// Receives the next message from a socket; returns nothing if the other process has closed it.
 std::optional<Json> receive_message(int socket) {
   for (;;) {
     char first = 0;
@@ -260,7 +260,7 @@ class LocalLauncher final : public Launcher {
     struct Group {
       enum class State : std::uint8_t { kUnrecorded, kRecording, kReady, kImpossible } state = State::kUnrecorded;
       std::size_t left = 0;                 ///< points that have not ended
-      std::optional<std::size_t> recorder;  ///< the point that records it
+      std::optional<std::size_t> recorder;  ///< index of the point that records the stream
     };
 
     /// Finishes point `p` if it need not be computed; otherwise queues it for a worker.
@@ -408,10 +408,11 @@ class LocalLauncher final : public Launcher {
     const std::span<const Point> points_;
     const PointWatch& watch_;
     std::vector<Waiting> waiting_;
-    std::multimap<std::size_t, std::size_t> twins_;  ///< by first point, the later ones with its id
+    /// For the first point with an id: the later points with the same id.
+    std::multimap<std::size_t, std::size_t> twins_;
     std::map<std::size_t, int> attempts_;
-    std::map<std::string, Group> groups_;            ///< by stream
-    std::vector<sim::HostClock::time_point> begun_;  ///< by worker
+    std::map<std::string, Group> groups_;            ///< groups of points by key of their stream
+    std::vector<sim::HostClock::time_point> begun_;  ///< time at which each worker began its point
     std::size_t left_ = 0;
     double busy_ = 0;  ///< s
     BatchEnd end_;

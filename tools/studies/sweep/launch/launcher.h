@@ -16,7 +16,7 @@ namespace tools::sweep {
 
 /// Result of a batch of points.
 struct BatchEnd {
-  std::vector<PointStatus> statuses;  ///< in the order of the points
+  std::vector<PointStatus> statuses;  ///< statuses in the order of the batch's points
   double seconds = 0;                 ///< host time from the first point begun to the last one finished
   double busy = 0;                    ///< share of that time in which workers had a point; 0 if none was begun
   std::uint32_t workers = 0;

@@ -42,8 +42,8 @@ namespace fs = std::filesystem;
 /// A task of a job array in the queue.
 struct SlurmTask {
   std::string job;          ///< id of the array
-  std::uint64_t index = 0;  ///< in the array
-  std::string state;        ///< as Slurm prints it: PENDING, RUNNING, COMPLETING, ...
+  std::uint64_t index = 0;  ///< index of the task in its array
+  std::string state;        ///< state as Slurm prints it: PENDING, RUNNING, COMPLETING, ...
   std::string reason;       ///< why it waits
   fs::path script;
 };

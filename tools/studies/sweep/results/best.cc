@@ -160,7 +160,7 @@ std::string figure_text(const Results& results, const Column& figure, std::size_
   return fmt::format("{} {}, mean of {} plays", value, interval_text(noise, row), noise.replicate_count(row));
 }
 
-/// Lists the figures of a point: the metric, and the figures that conditions compare.
+/// Returns a line for each figure of a point: the metric, and the figures that conditions compare.
 Lines figure_lines(const Results& results, const Column& metric, const BestOptions& options, std::size_t row) {
   Lines lines = {{shown_name(metric), figure_text(results, metric, row)}};
   for (const std::string& path : compared_paths(options.where)) {

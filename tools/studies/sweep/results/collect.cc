@@ -107,8 +107,8 @@ struct PointError {
 
 struct PointState {
   PointStatus status = PointStatus::kMissing;
-  ReportScan report;  ///< of a point that is done
-  PointError error;   ///< of a point that failed or is damaged
+  ReportScan report;  ///< values of the report of a point that is done
+  PointError error;   ///< error of a point that failed or is damaged
 };
 
 std::vector<ListedPoint> list_points(std::span<const sweep::Point> points) {
@@ -162,10 +162,10 @@ PointState read_point_state(const sweep::Store& store, const std::string& id, Me
 /// All points of a sweep with their results.
 struct Collection {
   std::vector<ListedPoint> points;
-  std::vector<PointState> states;           ///< without their metrics, which are in `columns`
+  std::vector<PointState> states;           ///< states of the points without their metrics, which are in `columns`
   std::vector<std::string> axes;            ///< names, in the order of their first use
   std::vector<std::string> metrics;         ///< paths, in the order of their first use
-  std::vector<std::vector<Value>> columns;  ///< by metric, then by point
+  std::vector<std::vector<Value>> columns;  ///< values by metric, then by point
 };
 
 /// Reads all points on all cores. The result does not depend on the number of cores.

@@ -15,7 +15,7 @@ struct BandedMetric {
   std::vector<std::size_t> rows;
   std::vector<double> nominal;             ///< by point
   std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to `nominal` for a figure without energy
-  std::vector<double> at_low, at_high;     ///< by point, under the low and the high tables
+  std::vector<double> at_low, at_high;     ///< values by point under the low and the high tables
 
   bool is_better(double a, double b) const { return most ? a > b : a < b; }
   /// Returns the ratio of two points under the low, nominal and high tables: "0.981 / 0.975 / 0.969".

@@ -40,7 +40,7 @@ class FigureNoise {
  private:
   bool noisy_ = false, measured_ = false;
   Column means_;
-  std::vector<SeenFigure> seen_;  ///< by row
+  std::vector<SeenFigure> seen_;  ///< figure with its noise, by row
   double least_ = 0, most_ = 0;   ///< range of the assumed noise, or of the number of replicates
 };
 

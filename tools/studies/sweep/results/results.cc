@@ -255,7 +255,7 @@ std::string unknown_unit(std::string_view text) {
   return bad == std::errc{} ? sim::printable(text.substr(static_cast<std::size_t>(end - text.data()))) : "";
 }
 
-/// Clears `met` for the points that do not meet one comparison of the condition `text`.
+/// Sets `met` to false for the points that do not meet the comparison `term` of the condition `text`.
 void apply_term(const Results& results, const std::string& text, const sweep::ConditionTerm& term,
                 std::vector<bool>& met) {
   const auto refuse = [&](const std::string& problem) {

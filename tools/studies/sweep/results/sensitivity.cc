@@ -63,7 +63,7 @@ bool move_together(const Factor& a, const Factor& b) {
     if (of_a == a.levels.size()) of_a = b.at[i];
     if (of_a != b.at[i]) return false;
   }
-  return true;  // as many levels on both sides
+  return true;  // both factors have the same number of levels
 }
 
 void join_equal_factors(std::vector<Factor>& factors) {
@@ -202,7 +202,7 @@ class AdditiveModel {
   const std::vector<Factor>& factors_;
   const std::vector<double>& deviations_;
   std::vector<double> residuals_;
-  std::vector<std::vector<double>> effects_;  ///< by factor, then by level
+  std::vector<std::vector<double>> effects_;  ///< effects by factor, then by level
 };
 
 std::string share_text(double share) { return fmt::format("{:.1f} %", 100 * share); }

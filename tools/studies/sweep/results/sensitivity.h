@@ -27,7 +27,7 @@ struct Sensitivity {
   double mean = 0;
   bool varies = false;
   bool is_grid = true;          ///< every combination of values is there: shares are exact
-  std::vector<Effect> effects;  ///< the largest share first
+  std::vector<Effect> effects;  ///< effects of the axes, the largest share first
   double noise = 0;             ///< share of the variance that noise explains
   std::string noise_text;       ///< source of the noise; empty for a figure without noise
   /// Share of the variance that no axis explains alone.

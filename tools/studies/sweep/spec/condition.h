@@ -13,7 +13,7 @@ namespace tools::sweep {
 /// A number with or without a unit.
 struct Magnitude {
   enum class Kind : std::uint8_t { kNumber, kFrequency, kBytes, kTime } kind = Kind::kNumber;
-  double value = 0;  ///< in base units: hertz, bytes, femtoseconds
+  double value = 0;  ///< value in base units: hertz, bytes, femtoseconds
 };
 /// Reads "2", "8 KiB", "500 MHz"; nothing for any other text.
 std::optional<Magnitude> magnitude_of(std::string_view text);

@@ -21,8 +21,9 @@ class AnyCondition {
   bool any_holds(std::span<const std::uint32_t> choice) const;
 
  private:
-  std::vector<std::vector<std::vector<const AxisCondition*>>> by_value_;  ///< by axis and value
-  std::vector<const AxisCondition*> others_;                              ///< conditions without a known term
+  /// Conditions by axis and value of a term that must hold.
+  std::vector<std::vector<std::vector<const AxisCondition*>>> by_value_;
+  std::vector<const AxisCondition*> others_;  ///< conditions without a known term
 };
 
 /// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. Throws InputError for
@@ -45,8 +46,8 @@ class Planner {
   std::vector<std::uint32_t> axis_sizes() const;  ///< number of values of each axis
   /// True if no `exclude` and every `where` holds.
   bool is_wanted(const Choice& choice) const;
-  /// Makes the point of a combination, with its keys and n = 0. Values that do not go together give a point with an
-  /// error.
+  /// Makes the point of a combination of axis values, with its keys and n = 0. If its values contradict each other, the
+  /// point has an error.
   Point make_point(const Choice& choice);
   /// Makes the point of a combination with this tile sampling in place of the spec's.
   Point make_point(const Choice& choice, const std::string& tile_sampling);

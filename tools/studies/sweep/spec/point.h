@@ -17,7 +17,7 @@ namespace tools::sweep {
 enum class PointStatus : std::uint8_t {
   kMissing,     ///< not computed
   kLocked,      ///< another process is computing it
-  kImpossible,  ///< its values do not go together
+  kImpossible,  ///< its values contradict each other
   kDamaged,     ///< its files do not match their digests
   kFailed,      ///< it could not be computed; a Failure is recorded
   kDone,        ///< its result is in the store
@@ -46,11 +46,11 @@ struct Point {
   std::string whole;                                         ///< id of the whole point of a slice
   std::vector<std::string> sets;                             ///< "key=value"
   std::string stream;  ///< key of the recorded work, shared by points that differ only in the machine; may be empty
-  std::string error;   ///< reason that it cannot be computed, if its values do not go together
+  std::string error;   ///< reason that it cannot be computed, if its values contradict each other
 
   /// True if the slices of this point are computed separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }
-  /// Number of pieces that are handed to workers.
+  /// Returns the number of pieces in which workers compute the point: its slices, or 1.
   std::uint32_t piece_count() const { return is_cut() ? slices : 1; }
   /// Options of the run that computes the point; argv is its command.
   JobOptions run_options() const;
@@ -102,7 +102,7 @@ class PointKeys {
   const RunConfig& config_of(const Point& point);
   /// Returns id and stream key of a point. Throws InputError like config_of().
   Key key_of(const Point& point);
-  /// Sets id and stream of the point. If its values do not go together, it sets the error, and an id made from the
+  /// Sets id and stream of the point. If its values contradict each other, it sets the error, and an id made from the
   /// values. Throws InputError for a scene file that cannot be read.
   void set_key(Point& point);
 
@@ -112,8 +112,9 @@ class PointKeys {
   Key make_key(const Point& point, const ConfigVariants& applied);
   std::string scene_digest(const RunConfig& config);
 
-  std::map<std::vector<std::string>, ConfigVariants> bases_;  ///< by configuration, scene and process
-  std::map<std::string, std::string> digests_;                ///< by scene file
+  /// Base configurations by configuration file, scene and process.
+  std::map<std::vector<std::string>, ConfigVariants> bases_;
+  std::map<std::string, std::string> digests_;  ///< digests by scene file
 };
 
 }  // namespace tools::sweep

@@ -112,7 +112,7 @@ struct Spec {
   std::uint32_t replicates = 1;  ///< perturbed repetitions of each point (docs/noise.md)
   std::uint32_t slices = 0;      ///< slices of each frame (docs/slices.md); 0: frames are played whole
   std::vector<std::string> sets;
-  std::vector<Axis> axes;  ///< the last varies fastest
+  std::vector<Axis> axes;  ///< axes of the sweep; the last one varies fastest
   std::vector<AxisCondition> exclude, where;
   Subset subset;
   std::vector<std::string> slurm;                    ///< arguments for sbatch

@@ -49,9 +49,9 @@ class Store {
   /// failure.
   PointStatus status_of(const std::string& id) const;
   bool is_done(const std::string& id) const { return status_of(id) == PointStatus::kDone; }
-  /// Bytes of report.json; nothing unless they match their digest.
+  /// Returns the bytes of the point's report.json; nothing unless they match their digest.
   std::optional<std::string> read_report(const std::string& id) const { return read_sound(id, "report.json"); }
-  /// Bytes of slice.json of a slice; nothing unless they match their digest.
+  /// Returns the bytes of a slice's slice.json; nothing unless they match their digest.
   std::optional<std::string> read_slice(const std::string& id) const { return read_sound(id, kSliceFile); }
   std::optional<Failure> read_failure(const std::string& id) const;
 
