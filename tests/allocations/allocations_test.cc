@@ -149,7 +149,7 @@ class Trace {
   void record(kernels::FrameProgram& program, const traces::Tracer& tracer) {
     const std::unique_ptr<traces::TraceWriter> writer = begin(program);
     tools::FrontEnd front_end(program, tracer, 0);
-    while (const traces::TileWork* work = front_end.next()) writer->add(*work), front_end.give_back(work);
+    while (const traces::TileWork* work = front_end.next()) writer->add_tile(*work), front_end.give_back(work);
     writer->end_part({{"continued", 0}, {"sampling", {{"wanted", 1}}}});
     writer->commit();
     reader_.emplace(file());

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(all_papers()), 
 });
 
 TEST_P(EachPaper, HasANumberForEveryMetricOfASmallPicture) {
-  Options options;
+  tools::reproduce::Options options;
   options.threads = 1;
   Runner runner(options);
   for (Case c : GetParam().cases(true)) {
