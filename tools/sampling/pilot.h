@@ -65,7 +65,7 @@ inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(s
 /// order. Caches are modelled as tags that fill at once; tiles are assigned to cores, and rays to TRVs, round robin.
 class TilePilot {
  public:
-  /// `slots`: a tile's share of the ray slots of a core's tile buffer.
+  /// `slots`: number of ray slots in a core's tile buffer that one tile can use.
   TilePilot(const hw::GpuConfig& config, const traces::Layout& layout, std::span<const hw::KernelSchedule> kernels,
             double thinning, double slots);
 

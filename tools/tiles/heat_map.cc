@@ -19,7 +19,8 @@ struct Area {
   double sum = 0;
 };
 
-/// Sums a figure by area: entries of later passes have the area of the tile's first entry.
+/// Returns the sum of a figure for each area of the picture. Entries of later passes count for the area of the same
+/// tile's first entry.
 std::vector<Area> by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;

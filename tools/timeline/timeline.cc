@@ -45,7 +45,7 @@ std::vector<std::uint32_t> parse_numbers(std::string_view text, std::size_t coun
   return at == end ? out : std::vector<std::uint32_t>{};
 }
 
-/// Returns the text after a word and a colon; none if it begins differently.
+/// Returns the rest of `text` after its prefix `word`; none if `text` does not begin with it.
 std::optional<std::string_view> text_after(std::string_view text, std::string_view word) {
   if (!text.starts_with(word)) return {};
   return text.substr(word.size());

@@ -16,7 +16,7 @@
 namespace tools {
 namespace {
 
-/// "14 nm, 0.80 V, 75 C" -> "14nm"
+/// Returns the process node without blanks: "14nm" for "14 nm, 0.80 V, 75 C".
 std::string node_of(std::string process) {
   std::erase(process, ' ');
   return process.substr(0, process.find(','));

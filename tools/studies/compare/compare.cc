@@ -196,7 +196,7 @@ std::vector<MetricPair> counter_pairs(const ReportFile& a, const ReportFile& b) 
   return out;
 }
 
-/// "2 to 10"
+/// Returns the range of frame numbers in a report as text: "2 to 10".
 std::string frames_text(const ReportFile& report) {
   const auto frames = report.json.find("frames");
   const std::size_t count = frames != report.json.end() && frames->is_array() ? frames->size() : 0;
@@ -475,7 +475,7 @@ std::string noise_note(const std::vector<ReportFile>& reports, const std::vector
          "; --replicates 5 measures it\n";
 }
 
-/// "raywatt-out/base/report.json" -> "base".
+/// Returns the name of the report's folder: "base" for "raywatt-out/base/report.json".
 std::string short_name(const ReportFile& report) {
   const std::filesystem::path file = report.file.lexically_normal();
   const std::string folder = file.parent_path().filename().string();

@@ -141,7 +141,7 @@ Origins config_origins(const JobOptions& options) {
   return out;
 }
 
-/// "core0.tni.trv2" -> "core.tni.trv"
+/// Returns the kind of a unit from its path: "core.tni.trv" for "core0.tni.trv2".
 std::string kind_of(const std::string& path) {
   std::string out;
   for (std::size_t i = 0; i < path.size(); ++i) {

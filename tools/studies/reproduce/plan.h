@@ -24,7 +24,7 @@ struct View {
 struct ProgramSetup {
   std::string name{};
   Sets sets{};
-  /// "multirate:under --set multirate.attributes=dram"
+  /// Returns the program and its settings as options: "multirate:under --set multirate.attributes=dram".
   std::string program_text() const;
 };
 

@@ -252,7 +252,7 @@ std::vector<std::size_t> rows_with_numbers(const Results& results, const Column&
       fmt::format("no point has {} as a number{}", shown_name(column), missing.empty() ? "" : "; " + missing));
 }
 
-/// Shares of the variance of values whose mean is 0.
+/// The shares of a figure's variance that each axis and noise explain.
 struct VarianceShares {
   std::vector<double> axes;  ///< by factor
   double noise = 0;

@@ -99,7 +99,8 @@ class SweepFolder {
   /// Creates the folder if it is missing and locks it; nothing if another process holds it. Throws InputError for a
   /// folder with other contents.
   static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, Of of);
-  /// Writes a sweep or a search into a folder that the caller has claimed; replaces the former one.
+  /// Writes the files of a sweep or a search into a folder that the caller has locked with try_claim(); replaces former
+  /// files.
   static SweepFolder create(const std::filesystem::path& path, Of of, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
