@@ -31,8 +31,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto is_wanted = [&](const tools::sweep::Choice& choice) { return planner.is_wanted(choice); };
     const std::vector<tools::sweep::Choice> choices = choose_combinations(spec.subset, planner.axis_sizes(), is_wanted);
     for (std::size_t i = 0; i < std::min(choices.size(), kMostPoints); ++i) {
-      const std::string line = to_line(planner.make_point(choices[i]));
-      tools::sweep::read_line(line, "points");
+      const std::string line = format_point_line(planner.make_point(choices[i]));
+      tools::sweep::parse_point_line(line, "points");
     }
   });
   return 0;

@@ -36,7 +36,7 @@ class Pictures {
                      "render.glass_shadows=opaque"};
     inputs_ = load_inputs(options_);
     truth_ = show("full:16");
-    masks_ = masks_of(inputs_, 1);
+    masks_ = classify_pixels(inputs_, 1);
   }
 
   Quality of(const std::string& program, const std::string& set = {}) {

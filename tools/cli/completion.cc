@@ -135,7 +135,7 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
   } else if (option.is_positional && name == "paper") {
     for (const reproduce::Paper& paper : reproduce::all_papers()) known.emplace_back(paper.name);
   } else if (option.is_positional && name == "event") {
-    known = energy_names(JobOptions());
+    known = energy_entry_names(JobOptions());
   } else if (option.is_positional && name == "file" &&
              (join_words(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
@@ -166,7 +166,7 @@ bool takes_keys(const DeclaredOption& option) { return option.names.front() == "
 /// Calls f(patterns, variable, values) for each option with a value. `variable`: "choices" if only `values` are
 /// allowed, "names" if files are also allowed, "keys" for a list of keys, "next" for files only.
 template <class F>
-void for_values(const DeclaredVerb& verb, const F& f) {
+void for_each_option_value(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
     if (option.is_positional) continue;
     const std::vector<std::string> known = known_names(verb, option);
@@ -205,12 +205,12 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
 
 /// Returns the shell lines that set the words which may follow: `choices` if only they are allowed, `names` if files
 /// are also allowed, and `next` for verbs and options.
-std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
+std::string next_word_lines(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
     std::string lines = fmt::format("      next='{} {} {}'\n", join_words(verb.verbs),
                                     join_words(positional_names(verb)), join_words(option_names(verb)));
     std::string choices;
-    for_values(verb, [&](const auto& names, const char* variable, const auto& values) {
+    for_each_option_value(verb, [&](const auto& names, const char* variable, const auto& values) {
       choices += fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, join_words(values));
     });
     if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
@@ -223,7 +223,7 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
 std::string keys_with_equals(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
 /// Returns the shell lines that set `keys` to the keys of --set and, after "key=", `choices` to the values of that key.
-std::string what_is_set() {
+std::string set_option_lines() {
   const SetKeys keys = set_keys();
   std::string values;
   for (const auto& [key, choices] : keys.values) {
@@ -253,8 +253,8 @@ std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
     fi
   fi
 )" + find_verb(verbs) +
-         what_comes(verbs) + R"(  if [ -n "$keys" ]; then
-)" + what_is_set() +
+         next_word_lines(verbs) + R"(  if [ -n "$keys" ]; then
+)" + set_option_lines() +
          R"(    compopt +o filenames -o nospace 2> /dev/null
     [ -n "$key" ] || choices=$keys
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
@@ -276,9 +276,9 @@ _raywatt() {
   local before=("${(@)words[2,CURRENT-1]}")
   [[ $current != --*=* ]] || { previous=${current%%=*} current=${current#*=}; compset -P 1 '*='; }
 )" + find_verb(verbs) +
-         what_comes(verbs) + R"(  if [ -n "$keys" ]; then
+         next_word_lines(verbs) + R"(  if [ -n "$keys" ]; then
     [[ $current != *=* ]] || { key=${current%%=*}; compset -P 1 '*='; }
-)" + what_is_set() +
+)" + set_option_lines() +
          R"(    [ -n "$key" ] || choices=$keys
     compadd -S '' -- ${=choices}
   elif [ -n "$choices" ]; then

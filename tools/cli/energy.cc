@@ -57,7 +57,7 @@ void add_show(CLI::App& group) {
   add_set_option(*verb, o->job.sets);
   verb->footer("Example: raywatt energy show cache.l1_read\nExit code 0, or 2 if there is no such entry.");
   verb->callback([o] {
-    fmt::print("{}", energy_show(o->job, o->name));
+    fmt::print("{}", describe_energy_entries(o->job, o->name));
     print_table_warnings(o->job);
   });
 }

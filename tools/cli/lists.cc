@@ -38,7 +38,7 @@ namespace tools {
 namespace {
 
 /// Returns one line on a configuration file: its `question`, or the first sentence of the comment at its start.
-std::string line_about(const std::filesystem::path& file) {
+std::string description_line(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";
   std::ifstream in(file);
@@ -74,7 +74,7 @@ std::string config_list() {
     for (const std::string& name : names) width = std::max(width, name.size());
     text += fmt::format("{}{}\n", text.empty() ? "" : "\n", head);
     for (const std::string& name : names) {
-      const std::string about = sim::printable(line_about(find_config_file(name)));
+      const std::string about = sim::printable(description_line(find_config_file(name)));
       text += about.empty() ? fmt::format("  {}\n", name) : fmt::format("  {:<{}}  {}\n", name, width, about);
     }
   };

@@ -174,7 +174,7 @@ void add_option(CLI::App& app, const BenchmarkOption& option, BenchmarkJob& job)
 /// Prints the findings. If values differ from their closed forms, prints a message and sets `exit` to kCheckFailed.
 void print_findings(const Findings& findings, const char* name, bool json, int& exit) {
   const bool ready = !findings.printed.empty();
-  fmt::print("{}", ready ? findings.printed : json ? json_of(name, findings) : table_of(findings));
+  fmt::print("{}", ready ? findings.printed : json ? findings_json(name, findings) : findings_table(findings));
   const auto missed = std::ranges::count_if(findings.measurements, [](const Measurement& m) { return !m.is_good(); });
   if (missed == 0) return;
   exit = kCheckFailed;

@@ -56,7 +56,7 @@ bool is_interrupted() { return waiting != 0; }
 
 void set_interrupt_note(const std::string& kept) { kept_so_far = "; " + sim::printable(kept, std::string::npos); }
 
-void set_bar_visible(bool bar_is_there) { has_bar = bar_is_there; }
+void set_bar_visible(bool is_visible) { has_bar = is_visible; }
 
 HoldInterrupts::HoldInterrupts() { held += 1; }
 

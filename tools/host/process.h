@@ -37,7 +37,7 @@ class HoldInterrupts {
 void set_interrupt_note(const std::string& kept);
 
 /// Sets whether the last line of the terminal is a progress bar, which an interrupt erases before its message.
-void set_bar_visible(bool bar_is_there);
+void set_bar_visible(bool is_visible);
 
 /// True if an interrupt is pending.
 bool is_interrupted();

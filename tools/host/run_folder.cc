@@ -40,7 +40,7 @@ fs::path dated_folder() {
 constexpr std::streamsize kLongestStart = 1 << 20;  ///< bytes of a report that contain its command line
 
 /// Returns the first bytes of a result file; empty if there is none or another program wrote it.
-std::string read_start(const fs::path& folder, std::string_view name) {
+std::string read_first_bytes(const fs::path& folder, std::string_view name) {
   std::error_code failed;
   if (!fs::is_regular_file(folder / name, failed)) return {};
   std::string start(kLongestStart, '\0');
@@ -63,7 +63,7 @@ std::string_view verb_of(const std::string& report) {
 enum class Former : std::uint8_t { kNone, kOfOtherVerb, kOwn };
 
 Former former_results(const fs::path& folder, const ResultsOf& verb) {
-  const std::string start = read_start(folder, verb.mark);
+  const std::string start = read_first_bytes(folder, verb.mark);
   if (start.empty()) return Former::kNone;
   return verb.name.empty() || verb.name == verb_of(start) ? Former::kOwn : Former::kOfOtherVerb;
 }
@@ -75,17 +75,17 @@ constexpr std::array<std::string_view, 17> kResults = {
     "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md"};
 
 /// True for a picture's file name with this prefix, e.g. figure-1-village.png or debug-steps.exr.
-bool is_picture_of(std::string_view prefix, std::string_view name) {
+bool is_picture_name(std::string_view prefix, std::string_view name) {
   return name.starts_with(prefix) && (name.ends_with(".png") || name.ends_with(".exr"));
 }
 
 /// True for the file name of a frame's picture, e.g. frame-0000.png or frame-0000-debug-similar.png.
-bool is_frame(std::string_view name) {
+bool is_frame_picture_name(std::string_view name) {
   constexpr std::string_view kHead = "frame-", kDigits = "0123456789";
   if (!name.starts_with(kHead)) return false;
   const std::size_t end = name.find_first_not_of(kDigits, kHead.size());
   if (end == std::string_view::npos || end == kHead.size()) return false;
-  return name.substr(end) == ".png" || is_picture_of("-debug-", name.substr(end));
+  return name.substr(end) == ".png" || is_picture_name("-debug-", name.substr(end));
 }
 
 bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
@@ -107,7 +107,7 @@ std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb
 
 /// Throws InputError if the folder cannot be read, or if it contains a folder, link or device with the name of a result
 /// file.
-void check_names(const fs::path& folder) {
+void check_result_names(const fs::path& folder) {
   std::error_code failed, vanished;
   fs::directory_iterator entry(folder, failed);
   for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
@@ -173,8 +173,8 @@ bool is_occupied(const std::error_code& error) {
 }  // namespace
 
 bool is_result_name(std::string_view name) {
-  return std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_picture_of("figure-", name) ||
-         is_picture_of("debug-", name);
+  return std::ranges::find(kResults, name) != kResults.end() || is_frame_picture_name(name) ||
+         is_picture_name("figure-", name) || is_picture_name("debug-", name);
 }
 
 RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
@@ -193,12 +193,12 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
       throw sim::InputError(cannot_be_written(target_, {errno, std::generic_category()}));
     }
     const Former former = former_results(target_, verb_);
-    check_names(target_);
+    check_result_names(target_);
     if (!force && former == Former::kOfOtherVerb) {
       throw sim::InputError(
           fmt::format("{}: holds the results of raywatt {}; choose another folder or give --force to put these among "
                       "them, in place of files of the same name",
-                      target_.string(), verb_of(read_start(target_, verb_.mark))));
+                      target_.string(), verb_of(read_first_bytes(target_, verb_.mark))));
     }
     if (!force && former == Former::kNone && !fs::is_empty(target_, error)) {
       throw sim::InputError(

@@ -127,9 +127,9 @@ std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units)
 
 }  // namespace
 
-IntervalFrame IntervalFrame::merged_to(std::size_t most) const {
+IntervalFrame IntervalFrame::with_merged_intervals(std::size_t max_intervals) const {
   IntervalFrame less = *this;
-  while (less.rows > std::max<std::size_t>(most, 1)) {
+  while (less.rows > std::max<std::size_t>(max_intervals, 1)) {
     const std::size_t pairs = (less.rows + 1) / 2;
     for (std::size_t i = 0; i < pairs; ++i) {
       std::ranges::copy(less.row(std::min(2 * i + 1, less.rows - 1)), less.values.data() + i * width);
@@ -233,7 +233,7 @@ bool equal_counts(const std::vector<sim::UnitReport>& a, const std::vector<sim::
 
 }  // namespace
 
-bool RunIntervals::are_beside(const ReportFile& report) {
+bool RunIntervals::has_intervals(const ReportFile& report) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(file_beside(report), ignored);
 }
@@ -246,7 +246,7 @@ RunIntervals::RunIntervals(const ReportFile& report)
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));
   };
-  if (!are_beside(report)) {
+  if (!has_intervals(report)) {
     throw refuse("is not there; allowed: a run without --tile-sampling and --intervals off");
   }
   const std::string bytes = sim::read_file(file, kLargestIntervals);
@@ -261,19 +261,21 @@ RunIntervals::RunIntervals(const ReportFile& report)
   std::vector<sim::UnitReport> reported = units_, sum = units_, one = units_;
   ReportedCounts(report).fill(reported);
   for (const IntervalFrame& frame : frames_) {
-    set_until(frame, frame.rows - 1, one);
+    set_cumulative_values(frame, frame.rows - 1, one);
     sim::add_reports(sum, one);
   }
   if (!equal_counts(sum, reported)) throw refuse("does not add up to the report beside it");
 }
 
-void RunIntervals::set_until(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units) {
+void RunIntervals::set_cumulative_values(const IntervalFrame& frame, std::size_t interval,
+                                         std::span<sim::UnitReport> units) {
   const std::span<const std::uint64_t> row = frame.row(interval);
   sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
 }
 
-void RunIntervals::set_within(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units) {
-  if (interval == 0) return set_until(frame, interval, units);
+void RunIntervals::set_interval_values(const IntervalFrame& frame, std::size_t interval,
+                                       std::span<sim::UnitReport> units) {
+  if (interval == 0) return set_cumulative_values(frame, interval, units);
   const std::span<const std::uint64_t> row = frame.row(interval), before = frame.row(interval - 1);
   sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind kind) {
     value = kind == sim::CounterKind::kPeak ? row[i] : row[i] - before[i];
@@ -318,8 +320,8 @@ class Table {
 
   IntervalTable make_table() {
     for (std::size_t i = 0; i < frame_.rows; ++i) {
-      RunIntervals::set_until(frame_, i, until_);
-      RunIntervals::set_within(frame_, i, within_);
+      RunIntervals::set_cumulative_values(frame_, i, until_);
+      RunIntervals::set_interval_values(frame_, i, within_);
       table_.begin_us.push_back(static_cast<double>(frame_.begin_of(i)) / sim::kFemtosecondsPerMicrosecond);
       table_.end_us.push_back(static_cast<double>(frame_.end_of(i)) / sim::kFemtosecondsPerMicrosecond);
       time_ = static_cast<double>(frame_.end_of(i) - frame_.begin_of(i));
@@ -431,8 +433,8 @@ const IntervalSeries* IntervalTable::find(std::string_view group, std::string_vi
 }
 
 IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side,
-                           std::size_t most) {
-  return Table(run, frame.merged_to(most), side).make_table();
+                           std::size_t max_intervals) {
+  return Table(run, frame.with_merged_intervals(max_intervals), side).make_table();
 }
 
 }  // namespace tools

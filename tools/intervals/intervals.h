@@ -42,8 +42,8 @@ struct IntervalFrame {
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
   sim::Time begin_of(std::size_t i) const { return i * length; }
   sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
-  /// Returns a copy with at most `most` intervals, made by repeatedly merging pairs of neighbouring intervals.
-  IntervalFrame merged_to(std::size_t most) const;
+  /// Returns a copy with at most `max_intervals` intervals, made by repeatedly merging pairs of neighbouring intervals.
+  IntervalFrame with_merged_intervals(std::size_t max_intervals) const;
 };
 
 /// Contents of intervals.bin.zst (docs/intervals.md).
@@ -83,7 +83,7 @@ class RunIntervals {
  public:
   /// True if the folder of the report has intervals. Runs with --intervals off, sampled runs, points of sweeps and runs
   /// of older versions have none.
-  static bool are_beside(const ReportFile& report);
+  static bool has_intervals(const ReportFile& report);
   /// Loads the intervals of a run's folder or report.json. Throws InputError if there are none, if they are damaged or
   /// belong to another report, or if the report was made by another model.
   static RunIntervals load(const std::filesystem::path& run);
@@ -97,10 +97,10 @@ class RunIntervals {
 
   /// Sets the values of `units`, a copy of units(), to those at the end of an interval. Counters of peaks are the
   /// maximum until then.
-  static void set_until(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
+  static void set_cumulative_values(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
   /// Sets the values of `units` to their increase in an interval. Counters of peaks are the maximum since the beginning
   /// of the frame.
-  static void set_within(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
+  static void set_interval_values(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
 
  private:
   RunConfig config_;
@@ -136,12 +136,13 @@ struct IntervalTable {
 };
 
 /// Computes the figures of a frame over time. `side`: use low, nominal or high energy figures. Intervals are first
-/// merged to at most `most`.
+/// merged to at most `max_intervals`.
 ///
 /// The energy of an interval is the difference of the cumulative energies at its end and its start, which are computed
 /// from cumulative counters like totals.energy_mj. The last cumulative energy equals the frame's energy to the last
 /// bit.
 IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame,
-                           sim::BandMember side = &sim::Band::nominal, std::size_t most = sim::Intervals::kMost);
+                           sim::BandMember side = &sim::Band::nominal,
+                           std::size_t max_intervals = sim::Intervals::kMost);
 
 }  // namespace tools

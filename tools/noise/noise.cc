@@ -103,7 +103,7 @@ Draws draws_of(std::span<const double> values) {
   return draws;
 }
 
-double MeanDifference::chance_above() const {
+double MeanDifference::one_sided_p_value() const {
   if (error == 0) return value > 0 ? 0 : 1;
   return student_t_above(value / error, degrees);
 }
@@ -117,13 +117,13 @@ MeanDifference difference_of(const Draws& a, const Draws& b) {
   return out;
 }
 
-std::vector<bool> reject_hypotheses(std::span<const double> chances, double error) {
-  std::vector<std::size_t> order(chances.size());
+std::vector<bool> reject_hypotheses(std::span<const double> p_values, double error) {
+  std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return chances[i]; });
-  std::vector<bool> out(chances.size());
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return p_values[i]; });
+  std::vector<bool> out(p_values.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    if (chances[order[k]] * static_cast<double>(order.size() - k) > error) break;
+    if (p_values[order[k]] * static_cast<double>(order.size() - k) > error) break;
     out[order[k]] = true;
   }
   return out;

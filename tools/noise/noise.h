@@ -35,13 +35,13 @@ struct MeanDifference {
   double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
   /// Returns the one-sided p-value: the probability of a difference at least as large as `value` if the true difference
   /// is zero.
-  double chance_above() const;
+  double one_sided_p_value() const;
 };
 MeanDifference difference_of(const Draws& a, const Draws& b);
 
 /// Returns for each null hypothesis whether it is rejected, at a family-wise error rate of `error` (Holm, Scandinavian
-/// Journal of Statistics 1979). `chances`: p-values.
-std::vector<bool> reject_hypotheses(std::span<const double> chances, double error);
+/// Journal of Statistics 1979). `p_values`: p-values.
+std::vector<bool> reject_hypotheses(std::span<const double> p_values, double error);
 
 /// Figures of a report's `totals` that have noise, because they vary with the timing of tiles in a frame; figures below
 /// them have noise, too. Energies by event and cycles by kernel also vary, but no noise is stated for them.

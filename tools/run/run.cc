@@ -81,7 +81,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
   FrameResult frame = frames.simulate(own);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {
-    out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
+    out.tiles.frames.push_back(compute_tile_figures(frame, inputs.config, inputs.frame));
     if (options.timeline != nullptr) options.timeline->end_frame(frame, out.tiles.frames.back(), inputs.config);
   }
   std::optional<FrameResult> reference;

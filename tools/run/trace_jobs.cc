@@ -92,7 +92,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   std::optional<HoldInterrupts> hold;  // its destructor ends the process after the last progress line
   Progress progress(options.progress, options.quiet);
   TimelineJob timeline(options.timeline);
-  if (timeline.tile_selection() && timeline.tile_selection()->needs_places()) {
+  if (timeline.tile_selection() && timeline.tile_selection()->needs_tile_positions()) {
     throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
   }
   StoredFrames frames(file, options);

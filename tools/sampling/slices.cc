@@ -135,7 +135,7 @@ class SlicePlayer {
     if (!is_last) played.after = measure_probe(tiles, slice.end);
     frame.add_times(front_end.result());
     played.seconds = sim::thread_seconds() - begin;
-    played.timing_seconds = played.seconds - tiles.making_seconds();
+    played.timing_seconds = played.seconds - tiles.executing_seconds();
     return played;
   }
   /// Counters of a machine before its first cycle.
@@ -318,18 +318,18 @@ void check_slices(const kernels::ProgramSpec& program) {
       program.name()));
 }
 
-std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked) {
+std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
   check_sliceable(config.render);
   const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());
-  if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
+  if (requested == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
-  if (asked <= most) return asked;
+  if (requested <= most) return requested;
   throw sim::InputError(
       fmt::format("--slices {}: too many for a frame of {} tile{}, as each slice needs {} to fill this machine; "
                   "allowed: at most {}",
-                  asked, frame.tiles(), frame.tiles() == 1 ? "" : "s", shape.lead, most));
+                  requested, frame.tiles(), frame.tiles() == 1 ? "" : "s", shape.lead, most));
 }
 
 FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
@@ -437,8 +437,8 @@ constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
 /// Parse a count, and a list of `size` counts.
-std::uint64_t count_in(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
-const Json& list_in(const Json& json, std::size_t size, const char* what) {
+std::uint64_t parse_count(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
+const Json& parse_list(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;
   throw sim::InputError(fmt::format("{} are no list of {}", what, size));
 }
@@ -471,18 +471,18 @@ Json unit_json(const sim::UnitReport& unit) {
 
 void read_unit(const Json& json, sim::UnitReport& unit) {
   if (json.at("path") != unit.path) throw sim::InputError(fmt::format("there is no unit {}", unit.path));
-  unit.elapsed = count_in(json.at("elapsed"));
-  const Json& why = list_in(json.at("why"), unit.cycles_by_reason.size(), "a unit's reasons");
-  for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) unit.cycles_by_reason[i].second = count_in(why[i]);
-  const Json& counters = list_in(json.at("counters"), unit.counters.size(), "a unit's counters");
-  for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value = count_in(counters[i]);
+  unit.elapsed = parse_count(json.at("elapsed"));
+  const Json& why = parse_list(json.at("why"), unit.cycles_by_reason.size(), "a unit's reasons");
+  for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) unit.cycles_by_reason[i].second = parse_count(why[i]);
+  const Json& counters = parse_list(json.at("counters"), unit.counters.size(), "a unit's counters");
+  for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value = parse_count(counters[i]);
 }
 
 void read_span(const Json& json, MachineSpan& own) {
-  own.time = count_in(json.at("time"));
-  const Json& units = list_in(json.at("units"), own.units.size(), "units");
+  own.time = parse_count(json.at("time"));
+  const Json& units = parse_list(json.at("units"), own.units.size(), "units");
   for (std::size_t u = 0; u < own.units.size(); ++u) read_unit(units[u], own.units[u]);
-  const Json& kernels = list_in(json.at("kernels"), own.kernels.size(), "kernels");
+  const Json& kernels = parse_list(json.at("kernels"), own.kernels.size(), "kernels");
   for (std::size_t k = 0; k < own.kernels.size(); ++k) read_counts(kKernelCounts, kernels[k], own.kernels[k]);
 }
 
@@ -490,10 +490,10 @@ Json probe_json(const Probe& probe) { return {{"time", probe.time}, {"energy_pj"
 Probe read_probe(const Json& json) { return {amount_in(json.at("time")), amount_in(json.at("energy_pj"))}; }
 
 void read_function(const Json& json, RenderResult& function) {
-  const Json& rays = list_in(json.at("rays"), std::size(function.rays), "rays");
-  for (std::size_t k = 0; k < std::size(function.rays); ++k) function.rays[k] = count_in(rays[k]);
-  function.continued = count_in(json.at("continued"));
-  function.traversal_steps = count_in(json.at("traversal_steps"));
+  const Json& rays = parse_list(json.at("rays"), std::size(function.rays), "rays");
+  for (std::size_t k = 0; k < std::size(function.rays); ++k) function.rays[k] = parse_count(rays[k]);
+  function.continued = parse_count(json.at("continued"));
+  function.traversal_steps = parse_count(json.at("traversal_steps"));
   read_counts(kSamplingCounts, json.at("sampling"), function.sampling);
 }
 
@@ -524,12 +524,12 @@ Json slice_json(const SlicePart& part) {
             {"wall_s", part.wall_seconds}}}};
 }
 
-SlicePart read_slice(const Json& json, MachineSpan nothing) {
+SlicePart read_slice(const Json& json, MachineSpan initial_state) {
   try {
     SlicePart part;
     PlayedSlice& played = part.played;
     read_counts(kSliceTiles, json.at("tiles"), played.slice);
-    played.own = std::move(nothing);
+    played.own = std::move(initial_state);
     read_span(json, played.own);
     played.before = read_probe(json.at("before"));
     played.after = read_probe(json.at("after"));

@@ -56,9 +56,9 @@ struct SlicePart {
 /// are left out.
 sim::Json slice_json(const SlicePart& part);
 
-/// Parses the results of a slice. `nothing`: reports of the same machine before its first cycle, which supply the names
-/// of units. Throws InputError if the JSON does not match the machine.
-SlicePart read_slice(const sim::Json& json, MachineSpan nothing);
+/// Parses the results of a slice. `initial_state`: reports of the same machine before its first cycle, which supply the
+/// names of units. Throws InputError if the JSON does not match the machine.
+SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 
 /// Number of slices that means: choose it from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
@@ -70,8 +70,8 @@ std::uint32_t parse_slices(const std::string& text);
 void check_slices(const kernels::ProgramSpec& program);
 
 /// Returns the number of slices of a frame. With kAutoSlices the number depends only on frame and machine. Throws
-/// InputError if the frame cannot be split into `asked` slices.
-std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked);
+/// InputError if the frame cannot be split into `requested` slices.
+std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested);
 
 /// As simulate_frame(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
 /// (docs/slices.md). The result does not depend on `threads`.

@@ -38,7 +38,7 @@ const traces::TileWork* TimedTiles::next() {
 const traces::TileWork* TimedTiles::take_tile() {
   const double begin = sim::thread_seconds();
   const traces::TileWork* work = source_.next();
-  making_seconds_ += sim::thread_seconds() - begin;
+  executing_seconds_ += sim::thread_seconds() - begin;
   return work;
 }
 

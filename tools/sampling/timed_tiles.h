@@ -56,7 +56,7 @@ class TimedTiles final : public hw::TileSource {
   std::uint64_t warmed_tiles() const { return warmed_; }
   /// Host seconds for warming caches, and CPU seconds for executing tiles on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
-  double making_seconds() const { return making_seconds_; }
+  double executing_seconds() const { return executing_seconds_; }
 
  private:
   const traces::TileWork* take_tile();
@@ -75,7 +75,7 @@ class TimedTiles final : public hw::TileSource {
   std::vector<Mark> marks_;
   std::vector<TimedTile> simulated_;
   std::uint64_t warmed_ = 0;
-  double warming_seconds_ = 0, making_seconds_ = 0;
+  double warming_seconds_ = 0, executing_seconds_ = 0;
 };
 
 }  // namespace tools

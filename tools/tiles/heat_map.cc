@@ -21,7 +21,7 @@ struct Area {
 
 /// Returns the sum of a figure for each area of the picture. Entries of later passes count for the area of the same
 /// tile's first entry.
-std::vector<Area> by_area(const TileFrame& tiles, auto&& value) {
+std::vector<Area> sum_by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;
   std::vector<Area> areas;
@@ -66,12 +66,12 @@ std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std
   const auto map = [&](const char* name, const char* title, const char* colours) {
     return HeatMap{name, title, colours, width, height, {}};
   };
-  return {of_tiles(map("cycles", "Cycles of a tile", "turbo"), by_area(tiles, cycles), false),
-          of_tiles(map("srp-cycles", "SRP cycles of a tile", "turbo"), by_area(tiles, srp_cycles), false),
+  return {of_tiles(map("cycles", "Cycles of a tile", "turbo"), sum_by_area(tiles, cycles), false),
+          of_tiles(map("srp-cycles", "SRP cycles of a tile", "turbo"), sum_by_area(tiles, srp_cycles), false),
           of_pixels(map("rays", "Rays of a pixel", "viridis"), pixels, &PixelWork::rays),
           of_pixels(map("steps", "Traversal steps of a pixel", "viridis"), pixels, &PixelWork::steps),
           of_pixels(map("tests", "Triangle tests of a pixel", "viridis"), pixels, &PixelWork::tests),
-          of_tiles(map("energy", "Energy of a pixel in nJ", "turbo"), by_area(tiles, energy), true)};
+          of_tiles(map("energy", "Energy of a pixel in nJ", "turbo"), sum_by_area(tiles, energy), true)};
 }
 
 DrawnMap draw_heat_map(const HeatMap& map) {

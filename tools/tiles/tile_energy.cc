@@ -191,19 +191,19 @@ class TileWeights {
 
   /// Returns the number of kinds of work.
   std::size_t kind_count() const { return kinds_; }
-  double part_of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
-  double of_rest(std::size_t kind) const { return rest_[kind]; }
+  double tile_weight(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
+  double weight_without_tile(std::size_t kind) const { return rest_[kind]; }
   /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
   double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
     double all = core ? 0 : rest_[kind];
     for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
-      if (!core || s_.tile_accounts[tile].core == *core) all += part_of(tile, kind);
+      if (!core || s_.tile_accounts[tile].core == *core) all += tile_weight(tile, kind);
     }
     return all;
   }
 
   /// Returns the kind of work by which the energy of a unit's counter is shared; none if that energy depends on time.
-  static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter) {
+  static std::optional<std::size_t> kind_of_counter(const sim::UnitReport& unit, std::string_view counter) {
     const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
     const auto found = std::ranges::find_if(special_rules(), is_it);
     if (found != special_rules().end()) return found->kind;
@@ -296,8 +296,8 @@ class Shared {
         continue;
       }
       const sim::Band each = counted_[w] * (1 / all);
-      for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.part_of(tile, w); });
-      if (!core_) energy.rest += each * weights_.of_rest(w);
+      for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.tile_weight(tile, w); });
+      if (!core_) energy.rest += each * weights_.weight_without_tile(w);
     }
     const Residence present = residence_of(s_.tile_accounts, s_.elapsed, core_);
     for_tiles([&](std::size_t tile) { energy.tiles[tile] += standing_ * present.tiles[tile]; });
@@ -337,7 +337,7 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
     for (const sim::CounterReport& counter : s.units[u].counters) {
       if (counter.event.empty()) continue;
       const sim::Band& pj = units[u].events[event++];
-      const std::optional<std::size_t> weight = TileWeights::of_counter(s.units[u], counter.name);
+      const std::optional<std::size_t> weight = TileWeights::kind_of_counter(s.units[u], counter.name);
       weight ? shared.add(*weight, pj) : shared.add_standing(pj);
     }
   }
@@ -468,7 +468,7 @@ class Builder {
 
 }  // namespace
 
-TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
+TileFrame compute_tile_figures(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
   return Builder(s, config, frame).build_frame();
 }
 

@@ -333,8 +333,8 @@ class SliceWriter {
 };
 
 /// Returns the indices of the slices in order of rank. Earlier ones get space in the file first.
-std::vector<std::size_t> in_order_of_rank(const std::vector<RecordedSlice>& slices,
-                                          const std::vector<std::uint32_t>& rank) {
+std::vector<std::size_t> order_by_rank(const std::vector<RecordedSlice>& slices,
+                                       const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < slices.size(); ++i) {
     if (rank[i] != kNotWanted) order.push_back(i);
@@ -349,7 +349,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes) {
   const std::vector<RecordedSlice>& slices = recorder.slices();
   const bool all = selection.kind == TimelineSelection::Kind::kAll;
-  std::vector<std::size_t> shown = in_order_of_rank(slices, slice_ranks(slices, selected_tiles(selection, tiles), all));
+  std::vector<std::size_t> shown = order_by_rank(slices, slice_ranks(slices, selected_tiles(selection, tiles), all));
   const std::size_t wanted = shown.size();
 
   TimelineTracks tracks(config.gpu->cores);
@@ -399,12 +399,12 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
           wanted - shown.size()};
 }
 
-TimelineJob::TimelineJob(std::string asked) : asked_(std::move(asked)) {
+TimelineJob::TimelineJob(std::string text) : asked_(std::move(text)) {
   if (!asked_.empty()) selection_ = parse_timeline(asked_);
 }
 
 void TimelineJob::check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const {
-  if (!selection_ || !selection_->needs_places()) return;
+  if (!selection_ || !selection_->needs_tile_positions()) return;
   const bool is_tile = selection_->kind == TimelineSelection::Kind::kTile;
   kernels::TileCounts counts{inputs.config.render.width, inputs.config.render.height};
   if (is_tile) counts = tile_counts(inputs, program);

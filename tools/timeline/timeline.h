@@ -79,7 +79,7 @@ class TimelineRecorder final : public hw::Observer {
   std::uint32_t entry_of(std::uint32_t core, hw::TileTag tile) const;
 
   std::uint32_t newest_ = 0;                 ///< highest entry of the tile list that a core has taken
-  std::vector<std::vector<Slot>> slots_;     ///< by core
+  std::vector<std::vector<Slot>> slots_;     ///< tile slots, by core
   std::vector<std::vector<Batch>> batches_;  ///< batches of rays in flight, by core
   std::vector<RecordedSlice> slices_;
   std::vector<MemoryBin> memory_;
@@ -91,7 +91,7 @@ struct TimelineSelection {
   Kind kind = Kind::kAll;
   std::uint32_t count = 0;     ///< kSlowest
   std::uint32_t x = 0, y = 0;  ///< kTile: column and row of the tile; kPixel: column and row of the pixel
-  bool needs_places() const { return kind == Kind::kTile || kind == Kind::kPixel; }
+  bool needs_tile_positions() const { return kind == Kind::kTile || kind == Kind::kPixel; }
 };
 
 /// Parses "all", "slowest:8", "tile:3,2" or "pixel:200,100"; throws InputError for other texts.
@@ -125,8 +125,8 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
 /// The option `--timeline` of a job: records the job's first frame.
 class TimelineJob {
  public:
-  /// `asked`: the option's text; empty: no timeline. Throws InputError for an invalid text.
-  explicit TimelineJob(std::string asked);
+  /// `text`: the option's text; empty: no timeline. Throws InputError for an invalid text.
+  explicit TimelineJob(std::string text);
 
   const std::optional<TimelineSelection>& tile_selection() const { return selection_; }
   /// Throws InputError if the picture of the current frame of `inputs` has no such tile or pixel.

@@ -152,7 +152,6 @@ class TracePackets {
   }
 
   const std::string& bytes() const { return bytes_; }
-  std::string take() { return std::move(bytes_); }
   /// Returns the first packet of a file, with the texts that the packets of `other` refer to.
   static std::string texts_of(const TracePackets& other) {
     std::string bytes;

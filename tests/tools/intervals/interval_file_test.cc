@@ -79,7 +79,8 @@ TEST(IntervalFile, IsReadAsItWasWritten) {
 
 TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
   const IntervalFrame frame = read_intervals(file_of(grown(11, 4))).frames.front();
-  const IntervalFrame six = frame.merged_to(6), three = frame.merged_to(3), one = frame.merged_to(1);
+  const IntervalFrame six = frame.with_merged_intervals(6), three = frame.with_merged_intervals(3),
+                      one = frame.with_merged_intervals(1);
   ASSERT_EQ(six.rows, 6U);
   EXPECT_EQ(six.length, 20U);
   ASSERT_EQ(three.rows, 3U);
@@ -89,7 +90,7 @@ TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
     EXPECT_TRUE(std::ranges::equal(merged->row(merged->rows - 1), frame.row(10)));
     EXPECT_EQ(merged->end_of(merged->rows - 1), frame.end);
   }
-  EXPECT_EQ(frame.merged_to(11).rows, 11U);
+  EXPECT_EQ(frame.with_merged_intervals(11).rows, 11U);
 }
 
 /// A file written from the page's specification alone: names, then one frame of two intervals.

@@ -37,7 +37,7 @@ void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_
   const auto device = hw::dram_energy_events(run.config().gpu->dram);
   sim::EnergyFormula energy(run.units(), run.config().energy, device, 0, tools::power_scales(run.config()));
   std::vector<sim::UnitReport> until(run.units().begin(), run.units().end());
-  RunIntervals::set_until(frame, frame.rows - 1, until);
+  RunIntervals::set_cumulative_values(frame, frame.rows - 1, until);
   energy.set_counts(until, frame.end_of(frame.rows - 1));
   for (const auto& [name, side] : sides) {
     const std::vector<double> blocks = energy.block_energies(side);
@@ -133,7 +133,7 @@ TEST(RunIntervals, AreNotOfSampledFramesWhichAreEstimates) {
   const fs::path out = folder.path() / "out";
   ASSERT_EQ(raywatt(small_run(out, {"--scene", "teapot", "--tile-sampling", "50%"})).exit, 0);
   EXPECT_FALSE(fs::exists(out / tools::kIntervalFile));
-  EXPECT_FALSE(RunIntervals::are_beside(tools::load_report(out)));
+  EXPECT_FALSE(RunIntervals::has_intervals(tools::load_report(out)));
   EXPECT_THROW(RunIntervals::load(out), sim::InputError);
 }
 

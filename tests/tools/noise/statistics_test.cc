@@ -49,7 +49,7 @@ TEST(MeanDifference, EqualVariancesAndCountsHaveTheDegreesOfBoth) {
   EXPECT_DOUBLE_EQ(d.error, std::sqrt(8.0 / 5));
   EXPECT_DOUBLE_EQ(d.degrees, 8);
   EXPECT_NEAR(d.half_width(), 2.306004 * std::sqrt(1.6), 1e-6);
-  EXPECT_NEAR(d.chance_above(), student_t_above(3 / std::sqrt(1.6), 8), 1e-15);
+  EXPECT_NEAR(d.one_sided_p_value(), student_t_above(3 / std::sqrt(1.6), 8), 1e-15);
 }
 
 TEST(MeanDifference, ASideThatDoesNotVaryLeavesTheDegreesOfTheOther) {
@@ -60,8 +60,8 @@ TEST(MeanDifference, ASideThatDoesNotVaryLeavesTheDegreesOfTheOther) {
 
 TEST(MeanDifference, WhatDoesNotVaryIsSure) {
   EXPECT_EQ(difference_of({5, 10, 0}, {5, 11, 0}).half_width(), 0);
-  EXPECT_EQ(difference_of({5, 10, 0}, {5, 11, 0}).chance_above(), 0);
-  EXPECT_EQ(difference_of({5, 10, 0}, {5, 10, 0}).chance_above(), 1);
+  EXPECT_EQ(difference_of({5, 10, 0}, {5, 11, 0}).one_sided_p_value(), 0);
+  EXPECT_EQ(difference_of({5, 10, 0}, {5, 10, 0}).one_sided_p_value(), 1);
 }
 
 TEST(Holm, ComparesEachChanceWithWhatTheNumberOfThoseLeftAllows) {

@@ -25,7 +25,7 @@ Rgb pixel(const DrawnMap& drawn, std::uint32_t x, std::uint32_t y) {
 struct HeatMapsOf : testing::TestWithParam<const char*> {
   const Inputs inputs = small_inputs({"render.tile=16"});
   const FrameResult s = itemised(inputs, GetParam());
-  const TileFrame tiles = tile_frame(s, inputs.config, 0);
+  const TileFrame tiles = compute_tile_figures(s, inputs.config, 0);
   std::map<std::string, HeatMap> maps;
   void SetUp() override {
     for (HeatMap& map : heat_maps(s, tiles, 48, 24)) maps.emplace(map.name, std::move(map));

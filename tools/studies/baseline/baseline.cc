@@ -30,9 +30,9 @@ const Moved* find_moved(const RunCheck& run, std::string_view path) {
 
 /// Returns the changed value to print for a run whose cycles did not change: a value of the whole machine, or else of
 /// the named unit.
-const Moved& first_shown(const RunCheck& run) {
+const Moved& value_to_print(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
-  if (found == run.moved.end() && run.names_unit()) {
+  if (found == run.moved.end() && run.can_name_unit()) {
     const std::string prefix = fmt::format("units.{}.", run.located->unit);
     found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(prefix); });
   }
@@ -68,7 +68,7 @@ std::string located_text(const RunCheck& run) {
 
 /// Returns a line on the first changed key and the number of other changed keys.
 std::string first_changed(const std::vector<KeyPair>& keys) {
-  const std::string line = changed_text(std::vector{keys.front()});
+  const std::string line = changed_keys_text(std::vector{keys.front()});
   return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
                      keys.size() > 1 ? fmt::format(", and {} more keys", keys.size() - 1) : "");
 }
@@ -90,17 +90,17 @@ std::string run_details(const RunCheck& run) {
   };
   show(false, "");
   const std::size_t figures = std::exchange(shown, 0);
-  const std::string own = run.names_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
+  const std::string own = run.can_name_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
   show(true, find_moved(run, own) != nullptr ? own : "units.");
   if (figures + shown < run.moved.size()) {
     out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
   }
-  if (run.names_unit()) out += fmt::format("  {}\n", located_text(run));
+  if (run.can_name_unit()) out += fmt::format("  {}\n", located_text(run));
   return out;
 }
 
 /// Returns the configuration keys that differ in at least one run, with both values, without duplicates.
-std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
+std::vector<KeyPair> differing_keys(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
   std::vector<KeyPair> out;
   for (const RunCheck& run : checked.runs) {
     for (const KeyPair& key : run.keys.*of) {
@@ -112,7 +112,7 @@ std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> Ch
 }
 
 /// Returns the run with changed values whose located unit is most certain; null if there is none.
-const RunCheck* most_certain(const Checked& checked) {
+const RunCheck* most_certain_run(const Checked& checked) {
   const RunCheck* best = nullptr;
   for (const RunCheck& run : checked.runs) {
     if (run.located && (best == nullptr || run.located->certainty > best->located->certainty)) best = &run;
@@ -126,7 +126,7 @@ std::string check_line(const RunCheck& run) {
   if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
   if (run.moved.empty()) return fmt::format("ok       {}", run.name);
   const Moved* cycles = find_moved(run, "totals.cycles");
-  const Moved& shown = cycles != nullptr ? *cycles : first_shown(run);
+  const Moved& shown = cycles != nullptr ? *cycles : value_to_print(run);
   return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
                      moved_text(shown));
 }
@@ -145,17 +145,17 @@ std::string check_details(const Checked& checked) {
   for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += run_details(*bad[i]);
   if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
   // Changed keys are certain and are printed before the estimate from counters.
-  const std::vector<KeyPair> changed = keys_of_all(checked, &ChangedKeys::changed);
-  if (!changed.empty()) out += "\n" + changed_text(changed);
-  if (const RunCheck* run = most_certain(checked); run != nullptr) {
+  const std::vector<KeyPair> changed = differing_keys(checked, &ChangedKeys::changed);
+  if (!changed.empty()) out += "\n" + changed_keys_text(changed);
+  if (const RunCheck* run = most_certain_run(checked); run != nullptr) {
     std::string text = located_text(*run);
     text.front() = static_cast<char>(std::toupper(text.front()));
     out += fmt::format("{}{}, most clearly in run {}\n", changed.empty() ? "\n" : "", text, run->name);
   } else if (!changed.empty() && bad.empty()) {
     out += "No kept value has moved.\n";
   }
-  const std::vector<KeyPair> of_one = keys_of_all(checked, &ChangedKeys::of_one);
-  if (!of_one.empty()) out += "\nKeys of only one of the two configurations:\n" + changed_text(of_one);
+  const std::vector<KeyPair> of_one = differing_keys(checked, &ChangedKeys::of_one);
+  if (!of_one.empty()) out += "\nKeys of only one of the two configurations:\n" + changed_keys_text(of_one);
   return out;
 }
 
@@ -170,21 +170,22 @@ std::string failure_text(const RunCheck& run) {
   std::istringstream error(run.error);
   for (std::string line; std::getline(error, line);) out += xml_text(line) + "\n";
   for (const std::string& why : run.refused) out += xml_text(why) + "\n";
-  std::istringstream keys(changed_text(run.keys.changed) + changed_text(run.keys.of_one));
+  std::istringstream keys(changed_keys_text(run.keys.changed) + changed_keys_text(run.keys.of_one));
   for (std::string line; std::getline(keys, line);) out += xml_text(line) + "\n";
-  if (run.names_unit()) out += xml_text(located_text(run)) + "\n";
+  if (run.can_name_unit()) out += xml_text(located_text(run)) + "\n";
   for (const Moved& moved : run.moved) out += xml_text(fmt::format("{}: {}", moved.path, moved_text(moved))) + "\n";
   return out;
 }
 
 constexpr const char* kMadeBy = " made by raywatt baseline check ";
 
-/// Writes a check as JUnit XML for continuous integration, a test case per run. Throws InputError if the file exists
-/// and is not from write_junit(); with `force`, if it is not a regular file.
+/// Throws InputError if the JUnit file exists and this verb did not write it; with `force`, only if it is not a regular
+/// file.
 void check_junit(const std::filesystem::path& file, bool force) {
   sim::check_output(file, {.mark = kMadeBy, .kind = "JUnit file of this verb", .any = force});
 }
 
+/// Writes a check as JUnit XML for continuous integration, one test case per run.
 void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked) {
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);

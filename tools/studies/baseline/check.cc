@@ -156,7 +156,7 @@ void simulate_suite(const Suite& suite, std::uint32_t jobs,
 }
 
 /// Returns small trial runs of a different scene, one for each program and reference in the suite.
-Suite probes_of(const Suite& suite) {
+Suite trial_runs_of(const Suite& suite) {
   Suite probes;
   for (const SuiteRun& run : suite.runs) {
     const auto is_like = [&](const SuiteRun& other) {
@@ -175,13 +175,13 @@ Suite probes_of(const Suite& suite) {
 }
 
 /// Removes digits, so that "units.core0.srp" and "units.core3.srp" are equal.
-std::string without_numbers(std::string path) {
+std::string remove_digits(std::string path) {
   std::erase_if(path, [](unsigned char c) { return std::isdigit(c) != 0; });
   return path;
 }
 
 /// Returns the last components of a path, as many as `text` has.
-std::string end_like(const std::string& path, std::string_view text) {
+std::string end_of_same_depth(const std::string& path, std::string_view text) {
   std::size_t begin = path.size();
   for (auto parts = std::ranges::count(text, '.') + 1; parts > 0 && begin != std::string::npos; --parts) {
     begin = begin == 0 ? std::string::npos : path.rfind('.', begin - 1);
@@ -191,13 +191,13 @@ std::string end_like(const std::string& path, std::string_view text) {
 
 /// Returns the end of a report path that is spelled most like `text`, among paths common to all scenes; empty if none
 /// is similar.
-std::string nearest_end_like(const std::string& text, const std::vector<std::string>& paths) {
+std::string nearest_path_end(const std::string& text, const std::vector<std::string>& paths) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
   for (const std::string& path : paths) {
     if (path.starts_with("units.") || path.find(".kernels.") != std::string::npos) continue;
-    known.insert(end_like(path, text));
-    if (path.ends_with(kNominal)) known.insert(end_like(path.substr(0, path.size() - kNominal.size()), text));
+    known.insert(end_of_same_depth(path, text));
+    if (path.ends_with(kNominal)) known.insert(end_of_same_depth(path.substr(0, path.size() - kNominal.size()), text));
   }
   const std::string_view start = sim::comparison_prefix(text);
   const auto found = sim::find_nearest(start, known, std::max<std::size_t>(1, start.size() / 4));
@@ -207,7 +207,7 @@ std::string nearest_end_like(const std::string& text, const std::vector<std::str
 /// True if `text` matches at least one report path.
 bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   try {
-    return !report_path_group(without_numbers(text), kinds).empty();
+    return !report_path_group(remove_digits(text), kinds).empty();
   } catch (const sim::InputError&) {  // ambiguous: it matches several paths
     return true;
   }
@@ -217,18 +217,18 @@ bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {
-    simulate_suite(probes_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
+    simulate_suite(trial_runs_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
       for (const auto& [path, value] : probe.all) paths.push_back(path);
     });
   } catch (const sim::InputError&) {  // the run itself fails with a better message
     return;
   }
   std::set<std::string> kinds;
-  for (const std::string& path : paths) kinds.insert(without_numbers(path));
+  for (const std::string& path : paths) kinds.insert(remove_digits(path));
   const std::vector<std::string> known(kinds.begin(), kinds.end());
   for (const Kept& kept : suite.kept) {
     if (is_known(kept.text, known)) continue;
-    if (const std::string nearest = nearest_end_like(kept.text, paths); !nearest.empty()) {
+    if (const std::string nearest = nearest_path_end(kept.text, paths); !nearest.empty()) {
       throw sim::InputError(fmt::format("{}: keep: there is no report path '{}', did you mean '{}'?", kept.at,
                                         sim::printable(kept.text), nearest));
     }
@@ -432,7 +432,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
 namespace {
 
 /// Returns the name of the configuration group of a unit kind: "tni.trv" of "core.tni.trv".
-std::string_view without_core(std::string_view kind) {
+std::string_view remove_core_prefix(std::string_view kind) {
   constexpr std::string_view kCore = "core.";
   return kind.starts_with(kCore) ? kind.substr(kCore.size()) : kind;
 }
@@ -442,7 +442,7 @@ std::string_view kind_of_group(std::string_view group) {
   std::string_view inside;
   std::size_t kinds_inside = 0;
   for (const hw::UnitKind& kind : hw::kUnitKinds) {
-    if (without_core(kind.name) == group) return kind.name;
+    if (remove_core_prefix(kind.name) == group) return kind.name;
     if (!is_part_of(kind.name, group)) continue;
     inside = kind.name;
     kinds_inside += 1;
@@ -485,13 +485,13 @@ std::string unit_of_key(std::string_view key) {
 }
 
 bool is_part_of(std::string_view kind, std::string_view unit) {
-  const std::string_view name = without_core(kind);
+  const std::string_view name = remove_core_prefix(kind);
   return kind == unit || (name.starts_with(unit) && name.size() > unit.size() && name[unit.size()] == '.');
 }
 
-std::string changed_text(const KeyPair& key) { return fmt::format("{} was {}, is {}", key.key, key.a, key.b); }
+std::string changed_keys_text(const KeyPair& key) { return fmt::format("{} was {}, is {}", key.key, key.a, key.b); }
 
-std::string changed_text(const std::vector<KeyPair>& keys) {
+std::string changed_keys_text(const std::vector<KeyPair>& keys) {
   constexpr std::ptrdiff_t kMostOfGroup = 4;
   std::vector<std::string> units;
   for (const KeyPair& key : keys) {
@@ -508,7 +508,7 @@ std::string changed_text(const std::vector<KeyPair>& keys) {
       const bool is_many = !group.empty() && others >= kMostOfGroup;
       if (is_many && group == shown) continue;
       shown = group;
-      out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_text(key),
+      out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_keys_text(key),
                          is_many ? fmt::format(", and {} more keys of {}", others, group) : "");
     }
   }

@@ -31,10 +31,10 @@ std::string unit_of_key(std::string_view key);
 bool is_part_of(std::string_view kind, std::string_view unit);
 
 /// Returns the change of one key as text: "l2.mshrs was 32, is 8".
-std::string changed_text(const KeyPair& key);
+std::string changed_keys_text(const KeyPair& key);
 /// Returns the changes of several keys as text, "Changed in l2.bank: l2.mshrs was 32, is 8": a line per key, or per
 /// group of more than four keys, sorted by unit.
-std::string changed_text(const std::vector<KeyPair>& keys);
+std::string changed_keys_text(const std::vector<KeyPair>& keys);
 
 /// The unit that most likely changed between two runs of equal work, according to the counters.
 struct LocatedRegression {
@@ -75,7 +75,7 @@ struct RunCheck {
   std::optional<LocatedRegression> located;
   double seconds = 0;
   /// True if the unit can be named for this run alone: because a key changed, or because its counters are certain.
-  bool names_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
+  bool can_name_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
   bool is_good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
 

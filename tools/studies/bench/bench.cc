@@ -174,7 +174,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
 }
 
 /// Measures in a child process, so that peak memory is of this scene only. Exceptions of the child reach its main().
-Json measure_apart(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
+Json measure_in_child(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
   constexpr int kGlanceMs = 100;  // wait in ms; limits how long an interrupt just before the wait is unnoticed
   std::string text;
   int status = 0;
@@ -231,7 +231,7 @@ Json measure_scenes(const BenchOptions& options, const Json* other) {
               {"threads", host_threads(options.job.threads)},
               {"runs", options.runs}};
   Json scenes = Json::array();
-  for (const std::string& scene : options.scenes) scenes.push_back(measure_apart(scene, options, out, other));
+  for (const std::string& scene : options.scenes) scenes.push_back(measure_in_child(scene, options, out, other));
   out["scenes"] = std::move(scenes);
   return out;
 }
@@ -247,7 +247,7 @@ const Json* find_scene(const Json& bench, const Json& name) {
 }
 
 /// Converts a result of schema version 1, which had no metric for all threads, to version 2.
-void read_as_version_2(Json& bench) {
+void convert_to_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
     for (const auto& [was, is] : {std::pair{"functional_rays_per_s", "recording_rays_per_s"},
                                   std::pair{"simulated_rays_per_s", "one_thread_rays_per_s"}}) {
@@ -327,7 +327,7 @@ std::string cell_text(const BenchMetric& metric, const Json& scene) {
 }
 
 /// Returns a table of the scenes' metrics followed by an empty line; empty if no scene has a metric of this table.
-std::string table_of(const Json& bench, bool is_partial, bool compares) {
+std::string metrics_table(const Json& bench, bool is_partial, bool compares) {
   std::vector<BenchMetric> columns;
   for (const BenchMetric& metric : bench_metrics()) {
     const bool is_compared = metric.kind != BenchMetric::Kind::kFact;
@@ -371,7 +371,7 @@ Json load_bench(const std::filesystem::path& file) {
       Json& result = results.emplace_back();
       result = sim::parse_json(text);
       if (const std::string why = format_error(result); !why.empty()) throw refuse(why);
-      if (result["schema"] == "raywatt-bench/1") read_as_version_2(result);
+      if (result["schema"] == "raywatt-bench/1") convert_to_version_2(result);
       for (const Json& scene : result["scenes"]) {
         const Json* same = find_scene(results.front(), scene["scene"]);
         if (same == nullptr) continue;
@@ -386,7 +386,8 @@ Json load_bench(const std::filesystem::path& file) {
   return merge_results(results);
 }
 
-void check_comparable(const Json& bench, const Json& other, const std::filesystem::path& file, bool need_one) {
+void check_comparable(const Json& bench, const Json& other, const std::filesystem::path& file,
+                      bool require_common_scene) {
   const std::string name = sim::printable(file.string());
   bool have_one = false;
   for (const Json& scene : bench["scenes"]) {
@@ -400,7 +401,7 @@ void check_comparable(const Json& bench, const Json& other, const std::filesyste
                     "the same machine",
                     name, scene["scene"].get<std::string>(), fmt::join(all, ", ")));
   }
-  if (have_one || !need_one) return;
+  if (have_one || !require_common_scene) return;
   std::vector<std::string> there;
   for (const Json& scene : other["scenes"]) there.push_back(sim::printable(scene["scene"].get<std::string>()));
   throw sim::InputError(
@@ -425,7 +426,7 @@ void compare_bench(Json& bench, const Json& other) {
 std::string bench_table(const Json& bench) {
   std::string text;
   for (const bool compares : {false, true}) {
-    for (const bool is_partial : {false, true}) text += table_of(bench, is_partial, compares);
+    for (const bool is_partial : {false, true}) text += metrics_table(bench, is_partial, compares);
   }
   return text.substr(0, text.size() - 1);  // without the last empty line
 }

@@ -41,11 +41,11 @@ sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = n
 /// Reads the output of `raywatt bench --json`; returns medians if there are several results. Throws InputError.
 sim::Json load_bench(const std::filesystem::path& file);
 
-/// Throws InputError if a common scene has another frame, machine or number of threads, and with `need_one` if there is
-/// no common scene. Members that one of them lacks, because of an older build, are not compared. `file`: path of
-/// `other`, for messages.
+/// Throws InputError if a common scene has another frame, machine or number of threads, and with `require_common_scene`
+/// if there is no common scene. Members that one of them lacks, because of an older build, are not compared. `file`:
+/// path of `other`, for messages.
 void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
-                      bool need_one = true);
+                      bool require_common_scene = true);
 
 /// Adds `against` to each scene that `other` also has: the factor by which each metric is better.
 void compare_bench(sim::Json& bench, const sim::Json& other);

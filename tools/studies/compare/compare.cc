@@ -111,11 +111,11 @@ std::vector<MetricPair> time_pairs(const ReportFile& a, const ReportFile& b) {
 }
 
 /// True if this entry of the report's `units` is a sum over all units of a kind (unit_sums()).
-bool is_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
+bool is_unit_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
 /// True for an idle reason, and for the reason of a tile buffer that only stores data. Both are the time that no other
 /// reason explains.
-bool is_rest(std::string_view unit, std::string_view reason) {
+bool is_leftover_reason(std::string_view unit, std::string_view reason) {
   const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
   return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
 }
@@ -133,8 +133,8 @@ std::vector<MetricPair> reason_pairs(const ReportFile& a, const ReportFile& b) {
     const std::size_t why = path.find(".why.");
     if (why == std::string::npos) continue;
     const std::string unit = path.substr(0, why), reason = path.substr(why + 5);
-    if (!is_sum(a, unit) && !is_sum(b, unit)) continue;
-    if (is_rest(unit, reason)) continue;
+    if (!is_unit_sum(a, unit) && !is_unit_sum(b, unit)) continue;
+    if (is_leftover_reason(unit, reason)) continue;
     out.push_back({unit + " " + reason, mean_cycles(a, unit, reason), mean_cycles(b, unit, reason)});
   }
   sort_by_difference(out);
@@ -180,7 +180,7 @@ std::vector<MetricPair> counter_pairs(const ReportFile& a, const ReportFile& b) 
     const std::size_t at = path.find(".counters.");
     if (at == std::string::npos) continue;
     const std::string unit = path.substr(0, at);
-    if (!is_sum(a, unit) && !is_sum(b, unit)) continue;
+    if (!is_unit_sum(a, unit) && !is_unit_sum(b, unit)) continue;
     const std::string full = "units." + path;
     out.push_back({unit + " " + path.substr(at + 10), a.number(full), b.number(full)});
   }
@@ -501,7 +501,7 @@ std::string picture_text(const Comparison& c) {
 }
 
 /// Replaces the keys of the parts of a core's time by descriptions: "tree misses: DRAM".
-std::vector<MetricPair> in_words(std::vector<MetricPair> times) {
+std::vector<MetricPair> describe_time_parts(std::vector<MetricPair> times) {
   for (MetricPair& time : times) time.name = part_words(time.name);
   return times;
 }
@@ -629,7 +629,7 @@ std::string explanation_text(const Comparison& c, const std::vector<std::string>
   const bool has_places = !c.time.empty();
   std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c));
   out += pairs_table(c.other_clock ? "cycles of an average core, each of its own clock" : "cycles of an average core",
-                     in_words(c.time), Column::kCount, names, difference_of(c, "cycles"));
+                     describe_time_parts(c.time), Column::kCount, names, difference_of(c, "cycles"));
   out += pairs_table("cycles of an average unit", c.reasons, Column::kCount, names);
   out += pairs_table("rates and mean times", with_per(c.ratios), Column::kRatio, names);
   out += pairs_table("mJ by block", c.blocks, Column::kEnergy, names, difference_of(c, "energy_mj"));

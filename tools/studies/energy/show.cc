@@ -155,7 +155,7 @@ std::string kind_of(const std::string& path) {
 }
 
 /// Returns for each energy event the names of the counters that count it.
-std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::UnitReport>& units) {
+std::map<std::string, std::set<std::string>> counters_by_event(const std::vector<sim::UnitReport>& units) {
   std::map<std::string, std::set<std::string>> out;
   for (const sim::UnitReport& unit : units) {
     for (const sim::CounterReport& c : unit.counters) {
@@ -169,19 +169,19 @@ std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::U
 class Users {
  public:
   explicit Users(const RunConfig& config)
-      : config_(config), units_(idle_units(*config.gpu, true)), counters_(counted_by(units_)) {}
+      : config_(config), units_(idle_units(*config.gpu, true)), counters_(counters_by_event(units_)) {}
 
   const std::vector<sim::UnitReport>& all_units() const { return units_; }
 
   std::set<std::string> users_of(const EnergyEntry& entry) const {
     if (entry.name.starts_with(kEvents)) return of_event(entry.name.substr(kEvents.size()));
     for (const std::string table : {"energy.logic.", "energy.flops."}) {
-      if (entry.name.starts_with(table)) return units_of(entry.name.substr(table.size()));
+      if (entry.name.starts_with(table)) return unit_kinds_using(entry.name.substr(table.size()));
     }
     for (const std::string table : {"energy.parts.", "energy.parts_in_logic."}) {
-      if (entry.name.starts_with(table)) return units_with(entry.name.substr(table.size()));
+      if (entry.name.starts_with(table)) return unit_kinds_containing(entry.name.substr(table.size()));
     }
-    if (entry.name.starts_with("dram.")) return of_device(entry.name);
+    if (entry.name.starts_with("dram.")) return dram_events_using(entry.name);
     return {};
   }
 
@@ -191,7 +191,7 @@ class Users {
     return found == counters_.end() ? std::set<std::string>{} : found->second;
   }
   /// Returns the kinds of unit that use an entry. Units without an entry of their own use the entry of their block.
-  std::set<std::string> units_of(const std::string& entry) const {
+  std::set<std::string> unit_kinds_using(const std::string& entry) const {
     std::map<std::string, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
       const std::string kind = kind_of(unit.path);
@@ -204,7 +204,7 @@ class Users {
     return out;
   }
   /// Returns the kinds of unit that contain the hardware part of an entry, with the number of these parts per unit.
-  std::set<std::string> units_with(const std::string& entry) const {
+  std::set<std::string> unit_kinds_containing(const std::string& entry) const {
     std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
       for (const sim::UnitPart& part : unit.parts) {
@@ -219,7 +219,7 @@ class Users {
     return out;
   }
   /// Returns the energy events of the DRAM that change with the value called `name`.
-  std::set<std::string> of_device(const std::string& name) const {
+  std::set<std::string> dram_events_using(const std::string& name) const {
     RunConfig changed = config_;
     for (EnergyEntry& entry : energy_entries(changed)) {
       for (const EnergyEntry::Figure& f : entry.figures) f.value->nominal += entry.name == name ? 1 : 0;
@@ -313,14 +313,14 @@ bool is_meant(const std::string& entry, const std::string& name) {
 
 }  // namespace
 
-std::vector<std::string> energy_names(const JobOptions& options) {
+std::vector<std::string> energy_entry_names(const JobOptions& options) {
   RunConfig config = load_run_config(options);
   std::vector<std::string> names;
   for (const EnergyEntry& entry : energy_entries(config)) names.push_back(short_name(entry.name));
   return names;
 }
 
-std::string energy_show(const JobOptions& options, const std::string& name) {
+std::string describe_energy_entries(const JobOptions& options, const std::string& name) {
   RunConfig config = load_run_config(options);
   const Origins origins = config_origins(options);
   const Users users(config);

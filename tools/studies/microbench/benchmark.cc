@@ -63,13 +63,13 @@ UpperBound tightest_bound(const std::vector<UpperBound>& bounds) {
   return tightest;
 }
 
-std::string table_of(const Findings& findings) {
+std::string findings_table(const Findings& findings) {
   std::string text = findings.table.empty() ? measurement_table(findings) : findings.table;
   for (const std::string& note : findings.notes) text += "\n" + note + "\n";
   return text;
 }
 
-std::string json_of(std::string_view benchmark, const Findings& findings) {
+std::string findings_json(std::string_view benchmark, const Findings& findings) {
   sim::Json measurements = sim::Json::array();
   for (const Measurement& f : findings.measurements) {
     measurements.push_back({{"name", f.name},
@@ -91,13 +91,13 @@ std::string json_of(std::string_view benchmark, const Findings& findings) {
 
 BenchmarkOption json_option() { return {"--json", "as JSON", &BenchmarkJob::json}; }
 
-RunConfig real_machine(const JobOptions& job) {
+RunConfig machine_without_ideals(const JobOptions& job) {
   RunConfig config = load_run_config(job);
   config.gpu->ideal = {};
   return config;
 }
 
-std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job) {
+std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job) {
   for (const std::string& set : job.sets) {
     if (!set.starts_with("dram.extends=")) continue;
     throw sim::InputError(

@@ -57,9 +57,9 @@ struct UpperBound {
 /// large.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
-std::string table_of(const Findings& findings);
+std::string findings_table(const Findings& findings);
 /// Returns the findings as JSON, schema raywatt-microbench/1.
-std::string json_of(std::string_view benchmark, const Findings& findings);
+std::string findings_json(std::string_view benchmark, const Findings& findings);
 
 /// The machine and the options of a benchmark.
 struct BenchmarkJob {
@@ -99,9 +99,9 @@ struct Benchmark {
 BenchmarkOption json_option();
 
 /// Returns the configured machine without ideal resources.
-RunConfig real_machine(const JobOptions& job);
+RunConfig machine_without_ideals(const JobOptions& job);
 /// Returns a copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
-std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job);
+std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job);
 
 /// Returns the mean rate per second between the first and the last tenth of these times (in fs, in any order).
 double steady_rate(std::vector<std::uint64_t> moments);

@@ -268,7 +268,7 @@ void add(Findings& findings, const std::string& prefix, const std::vector<hw::Dr
 /// Returns the energy of a channel of each grade in configs/dram.
 Findings energies_of_grades(const BenchmarkJob& job) {
   Findings findings{"energy of a channel of each grade", {}};
-  for (const JobOptions& of_grade : jobs_of_all_grades(job.machine)) {
+  for (const JobOptions& of_grade : jobs_with_all_dram_grades(job.machine)) {
     const hw::DramConfig config = memory_of(job, of_grade);
     add(findings, config.grade + ", ", hw::dram_energy_measurements(config));
   }

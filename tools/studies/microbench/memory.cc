@@ -39,7 +39,7 @@ class Reader {
       : clock_(clock), l1_(cache, source), out_(out), in_(in) {}
 
   void add_read(hw::Addr line, sim::Time earliest = 0) { reads_.push_back({line, earliest}); }
-  const std::vector<Read>& all_reads() const { return reads_; }
+  const std::vector<Read>& timed_reads() const { return reads_; }
   bool done() const { return finished_ == reads_.size(); }
 
   // For the engine.
@@ -117,7 +117,7 @@ class MemoryForms {
   }
   /// Returns the bound due to `count` MSHRs of a first-level cache, which each handle one miss after the other.
   /// MSHRs start in consecutive cycles, so their clock phases differ. With two clocks MSHRs may also delay each other.
-  UpperBound l1_mshrs(std::uint32_t count, Level level) const {
+  UpperBound l1_mshr_rate(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
     for (std::uint32_t i = 0; i < starts; ++i) {
@@ -130,7 +130,7 @@ class MemoryForms {
   }
   /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle;
   /// a slot of the wire is free again when the client sees that the port has taken its request.
-  UpperBound request_wire() const {
+  UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) {
@@ -298,7 +298,7 @@ class Chase {
     if (neighbour_first) side.reader_of(0, config_.tni.trvs).add_read(lines.back(), at);
     for (const hw::Addr line : lines) reader.add_read(line, at += pause_);
     side.run();
-    const Reader::Read& last = reader.all_reads().back();
+    const Reader::Read& last = reader.timed_reads().back();
     const sim::Time hit = config_.tni.trv.l1.hit_cycles * clock_.period();
     const sim::Time expected = (level ? forms_.line_return_time(last.probed, *level) - last.probed : 0) + hit;
     measurement.measured += static_cast<double>(last.arrived - last.probed + hit) / sim::kFemtosecondsPerNs / kPhases;
@@ -321,7 +321,7 @@ Benchmark chase_benchmark() {
           "\n"
           "Example: raywatt microbench chase --set clocks.l2='800 MHz' --set interconnect.latency=8",
           {json_option()},
-          [](const BenchmarkJob& job) { return Chase(*real_machine(job.machine).gpu).measure_levels(); }};
+          [](const BenchmarkJob& job) { return Chase(*machine_without_ideals(job.machine).gpu).measure_levels(); }};
 }
 
 namespace {
@@ -348,7 +348,7 @@ double measured_gbps(const hw::GpuConfig& config, bool random) {
   side.run();
   std::vector<sim::Time> moments;
   for (const Reader* reader : side.all_readers()) {
-    for (const Reader::Read& read : reader->all_reads()) moments.push_back(read.arrived);
+    for (const Reader::Read& read : reader->timed_reads()) moments.push_back(read.arrived);
   }
   return steady_rate(moments) * static_cast<double>(config.l2.cache.line.bytes) / 1e9;
 }
@@ -359,7 +359,7 @@ Measurement measure_machine(const hw::GpuConfig& config, bool random) {
   const std::uint32_t mshrs = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                                               config.srp.data_cache.mshrs);
   const UpperBound bound =
-      tightest_bound({forms.port_rate(config.cores), forms.l2_lines(), forms.l1_mshrs(mshrs, level),
+      tightest_bound({forms.port_rate(config.cores), forms.l2_lines(), forms.l1_mshr_rate(mshrs, level),
                       forms.l2_mshrs(level), random ? forms.lines_of_own_row() : forms.stream_rate()});
   return {fmt::format("{}, {}", config.dram.grade, random ? "random" : "stream"),
           "GB/s",
@@ -371,9 +371,9 @@ Measurement measure_machine(const hw::GpuConfig& config, bool random) {
 
 Findings measure_bandwidth(const JobOptions& job, bool all_grades) {
   std::vector<hw::GpuConfig> machines;
-  if (!all_grades) machines.push_back(*real_machine(job).gpu);
-  for (const JobOptions& of_grade : all_grades ? jobs_of_all_grades(job) : std::vector<JobOptions>{}) {
-    machines.push_back(*real_machine(of_grade).gpu);
+  if (!all_grades) machines.push_back(*machine_without_ideals(job).gpu);
+  for (const JobOptions& of_grade : all_grades ? jobs_with_all_dram_grades(job) : std::vector<JobOptions>{}) {
+    machines.push_back(*machine_without_ideals(of_grade).gpu);
   }
   Findings found{"lines read through the L2", {}};
   for (const hw::GpuConfig& config : machines) {
@@ -412,7 +412,7 @@ double measured_rate(const hw::GpuConfig& config, bool in_l2) {
   }
   side.run();
   std::vector<sim::Time> moments;
-  for (const Reader::Read& read : side.reader_of(0, 0).all_reads()) moments.push_back(read.arrived);
+  for (const Reader::Read& read : side.reader_of(0, 0).timed_reads()) moments.push_back(read.arrived);
   return steady_rate(moments) / 1e6;
 }
 
@@ -428,8 +428,8 @@ Findings measure_misses(hw::GpuConfig config) {
     for (std::uint32_t mshrs = 1; mshrs <= 64; mshrs *= 2) {
       config.tni.trv.l1.mshrs = mshrs;
       const Level level = in_l2 ? Level::kL2 : Level::kRowOpen;
-      std::vector<UpperBound> bounds = {forms.l1_mshrs(mshrs, level), forms.port_rate(1), forms.l2_lines(),
-                                        forms.request_wire()};
+      std::vector<UpperBound> bounds = {forms.l1_mshr_rate(mshrs, level), forms.port_rate(1), forms.l2_lines(),
+                                        forms.request_wire_rate()};
       if (!in_l2) {
         bounds.push_back(forms.l2_mshrs(level));
         bounds.push_back(forms.stream_rate());
@@ -455,7 +455,7 @@ Benchmark mshr_benchmark() {
           "\n"
           "Example: raywatt microbench mshr --set l2.hit_cycles=40",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure_misses(*real_machine(job.machine).gpu); }};
+          [](const BenchmarkJob& job) { return measure_misses(*machine_without_ideals(job.machine).gpu); }};
 }
 
 }  // namespace tools

@@ -84,7 +84,9 @@ Benchmark kernels_benchmark() {
           "\n"
           "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8",
           {json_option(), {"--kernel", "only this kernel (repeatable)", &BenchmarkJob::kernels}},
-          [](const BenchmarkJob& job) { return measure_intervals(real_machine(job.machine).gpu->srp, job.kernels); }};
+          [](const BenchmarkJob& job) {
+            return measure_intervals(machine_without_ideals(job.machine).gpu->srp, job.kernels);
+          }};
 }
 
 namespace {
@@ -203,7 +205,7 @@ Benchmark tile_buffer_benchmark() {
       "\n"
       "Example: raywatt microbench tile_buffer --set srp.array.local_ports=8",
       {json_option()},
-      [](const BenchmarkJob& job) { return measure_conflicts(real_machine(job.machine).gpu->srp); }};
+      [](const BenchmarkJob& job) { return measure_conflicts(machine_without_ideals(job.machine).gpu->srp); }};
 }
 
 }  // namespace tools

@@ -205,7 +205,7 @@ Benchmark rays_benchmark() {
           "\n"
           "Example: raywatt microbench rays --set tni.trv.rays=16",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure_rays(real_machine(job.machine)); }};
+          [](const BenchmarkJob& job) { return measure_rays(machine_without_ideals(job.machine)); }};
 }
 
 namespace {
@@ -331,7 +331,7 @@ void add_exits(const RunConfig& config, Findings& found) {
 using Exits = std::array<std::uint64_t, 3>;
 
 /// Returns the number of triangle tests by exit phase, from the counters of all intersection units.
-Exits exits_of(const std::vector<sim::UnitReport>& units) {
+Exits exits_from_counters(const std::vector<sim::UnitReport>& units) {
   using Stats = hw::Ist::Stats;
   const Units<hw::Ist> ists(units);
   const std::uint64_t edge_tests = ists.counted(&Stats::edge_tests), hits = ists.counted(&Stats::hits);
@@ -339,7 +339,7 @@ Exits exits_of(const std::vector<sim::UnitReport>& units) {
 }
 
 /// Returns the number of triangle tests by exit phase, from the traversals of all rays that the program records.
-Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const kernels::RateMap rates(inputs.config.programs.multirate);
   const auto program = kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render,
                                                     inputs.config.programs, rates, inputs.frame, inputs.scene_size});
@@ -364,7 +364,8 @@ Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
 void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);
-  const Exits measured = exits_of(simulate_frame(inputs, spec, 1).units), expected = exits_in_walks(inputs, spec);
+  const Exits measured = exits_from_counters(simulate_frame(inputs, spec, 1).units),
+              expected = exits_from_traversals(inputs, spec);
   const std::string name =
       fmt::format("{}, {}x{}", inputs.scene.name, inputs.config.render.width, inputs.config.render.height);
   const auto tests = static_cast<double>(expected[0] + expected[1] + expected[2]);
@@ -404,7 +405,7 @@ Benchmark early_exit_benchmark() {
         job.scene = benchmark.scene;
         job.resolution = benchmark.resolution;
         Findings found{"intersection unit", {}};
-        add_exits(real_machine(job), found);
+        add_exits(machine_without_ideals(job), found);
         add_scene(job, found);
         return found;
       }};

@@ -50,7 +50,7 @@ class Comparator {
   double p_value(const Trial& a, const Trial& b, std::size_t objective) const {
     MeanDifference d = difference_of(b.seen[objective], a.seen[objective]);
     if (!most_[objective]) d.value = -d.value;
-    return d.chance_above();
+    return d.one_sided_p_value();
   }
   /// True if `a` is better at p <= `level` in each noisy objective, and equal or better in each exact one.
   bool dominates_beyond_noise(const Trial& a, const Trial& b, double level) const {
@@ -397,7 +397,7 @@ int run(const Options& options) {
   const fs::path store_root = !options.store.empty() ? options.store : sweep::Store::default_root();
   const std::string text = sim::read_file(options.file, 1 << 20);
   const HoldInterrupts hold;
-  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::Of::kSearch);
+  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::FolderKind::kSearch);
   if (!lock)
     throw sim::InputError(fmt::format("{}: folder is locked by another process", sim::printable(out.string())));
   // Workers of an interrupted search that still run find their points in sweep.json.
@@ -408,7 +408,7 @@ int run(const Options& options) {
     for (const Point& point : points) ids.insert(point.id);
     std::ranges::copy_if(others, std::back_inserter(points), [&](const Point& p) { return ids.insert(p.id).second; });
     for (std::size_t n = 0; n < points.size(); ++n) points[n].n = n;
-    return SweepFolder::create(out, SweepFolder::Of::kSearch, text, points, store_root, task.space.slurm);
+    return SweepFolder::create(out, SweepFolder::FolderKind::kSearch, text, points, store_root, task.space.slurm);
   };
   const SweepFolder folder = write_points({}, former);
   const sweep::Store store = folder.store();

@@ -234,7 +234,7 @@ void Search::add_result(const Choice& point, const std::optional<std::vector<dou
   if (is_feasible) feasible_scores_.emplace(point, score_of(*metrics));
 }
 
-void Search::add_look(const Choice& point, const std::vector<double>& metrics) {
+void Search::add_first_look(const Choice& point, const std::vector<double>& metrics) {
   for (std::size_t g = 0; g < goals_.size(); ++g) looks_[g].emplace(point, metrics.at(g));
 }
 

@@ -43,7 +43,7 @@ class Search {
   void add_result(const Choice& point, const std::optional<std::vector<double>>& metrics,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
   /// Adds the approximate metrics of a first look at a point. The point may still be proposed.
-  void add_look(const Choice& point, const std::vector<double>& metrics);
+  void add_first_look(const Choice& point, const std::vector<double>& metrics);
 
   /// Scores of the points with a result that meet all constraints.
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }

@@ -31,7 +31,7 @@ bool is_ordered(const sweep::Axis& axis) {
     bool rises = true, falls = true;
     std::optional<sweep::Magnitude> before;
     for (const sweep::Axis::Value& value : axis.values) {
-      const std::optional<sweep::Magnitude> here = sweep::magnitude_of(value.settings[k]);
+      const std::optional<sweep::Magnitude> here = sweep::parse_magnitude(value.settings[k]);
       if (!here || (before && before->kind != here->kind)) return false;
       rises = rises && (!before || before->value <= here->value);
       falls = falls && (!before || before->value >= here->value);
@@ -210,7 +210,7 @@ bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, s
     const bool is_done = trial.status == PointStatus::kDone;
     if (looks) {
       looked_.emplace(choices[c], true);
-      if (is_done) search_.add_look(choices[c], trial.metrics);
+      if (is_done) search_.add_first_look(choices[c], trial.metrics);
     } else {
       std::vector<double> errors;
       std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::standard_error);

@@ -25,7 +25,7 @@ std::string without_blanks(const std::string& text) {
 }
 
 /// Parses "PATH < NUMBER", or with <=, >, >=; throws InputError for other text.
-Goal read_constraint(const std::string& text) {
+Goal parse_constraint_goal(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
   if (sign != std::string::npos) {
     const bool or_equal = text.substr(sign + 1).starts_with('=');
@@ -125,7 +125,7 @@ constexpr std::string_view kOneWorkload =
 void read_constraints(const YamlValue& value, std::vector<Goal>& goals) {
   for (const YamlValue& item : value.items()) {
     try {
-      goals.push_back(read_constraint(item.text()));
+      goals.push_back(parse_constraint_goal(item.text()));
     } catch (const sim::InputError& error) {
       item.refuse(error.what());
     }
@@ -170,7 +170,7 @@ Task read_task(const std::filesystem::path& file) {
       entry.refuse("is for sweeps; a search finds its own points");
     }
   }
-  const auto of_workloads = std::ranges::find_if(task.space.axes, &sweep::moves_workload);
+  const auto of_workloads = std::ranges::find_if(task.space.axes, &sweep::changes_workload);
   if (of_workloads != task.space.axes.end()) sim::refuse(of_workloads->at, "axes." + of_workloads->name, kOneWorkload);
   if (task.goals.empty()) root.refuse("has no objectives; allowed: e.g. objectives: [{max: perf.fps}]");
   task.goals.insert(task.goals.end(), constraints.begin(), constraints.end());

@@ -60,10 +60,10 @@ Json page_number(double value) {
   return std::round(value * scale) / scale;
 }
 
-/// Returns the side of the smallest squares that divide a picture into at most `most` squares.
-std::uint32_t square_for(std::uint32_t width, std::uint32_t height, std::size_t most) {
+/// Returns the side of the smallest squares that divide a picture into at most `max_squares` squares.
+std::uint32_t square_for(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
   std::uint32_t square = 1;
-  while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > most) ++square;
+  while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > max_squares) ++square;
   return square;
 }
 
@@ -85,14 +85,14 @@ std::string data_url(std::string_view mime, std::string_view bytes) {
   return fmt::format("data:{};base64,{}", mime, base64);
 }
 
-std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t most) {
+std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
   try {
     const std::string bytes = sim::read_file(file, kLargestFile);
     const traces::Texture picture =
         traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
-    const std::uint32_t square = square_for(picture.width, picture.height, most);
+    const std::uint32_t square = square_for(picture.width, picture.height, max_pixels);
     if (square == 1) return data_url("image/png", bytes);
     return data_url("image/png", traces::encode_png(average_squares(picture, square)));
   } catch (const sim::InputError& error) {

@@ -156,7 +156,7 @@ Json energy_flow(const PricedRun& run) {
 
 /// Returns the series of the first frame over time, without those that are always 0.
 Json series_json(const ReportFile& report) {
-  if (!RunIntervals::are_beside(report)) return {{"note", "This run has no intervals of time."}};
+  if (!RunIntervals::has_intervals(report)) return {{"note", "This run has no intervals of time."}};
   try {
     const RunIntervals intervals(report);
     if (intervals.frames().empty()) throw sim::InputError("its file of intervals is empty");

@@ -48,9 +48,9 @@ sim::Json sweep_data(const std::filesystem::path& folder);
 /// Returns bytes as a data: URL.
 std::string data_url(std::string_view mime, std::string_view bytes);
 
-/// Returns a picture file as a data: URL. A picture of more than `most` pixels is averaged over squares. Nothing if the
-/// file does not exist or is not a picture.
-std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t most);
+/// Returns a picture file as a data: URL. A picture of more than `max_pixels` pixels is averaged over squares. Nothing
+/// if the file does not exist or is not a picture.
+std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels);
 
 /// The grid of tiles of a picture, numbered row by row. `tile_of_row` has the tile of each row of tiles.json.
 struct TileGrid {

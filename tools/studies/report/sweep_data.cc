@@ -23,7 +23,7 @@ namespace tools::pages {
 namespace {
 
 namespace fs = std::filesystem;
-using results::amount_of;
+using results::magnitude_of;
 using results::Value;
 using sim::Json;
 
@@ -146,9 +146,9 @@ class Sweep {
     try {
       const results::Objective objective(results_, metric.path);
       const auto& values = objective.column.values;
-      if (std::ranges::none_of(values, [](const Value& value) { return amount_of(value).has_value(); })) return;
+      if (std::ranges::none_of(values, [](const Value& value) { return magnitude_of(value).has_value(); })) return;
       metric.path = objective.column.name;
-      metric.more_is_better = objective.most;
+      metric.more_is_better = objective.more_is_better;
     } catch (const sim::InputError&) {
       return;  // no point has it
     }
@@ -186,7 +186,7 @@ class Sweep {
     }
   }
   std::optional<double> value_of(const Metric& metric, std::size_t row) const {
-    const auto amount = amount_of(values_[static_cast<std::size_t>(&metric - metrics_.data())].values[row]);
+    const auto amount = magnitude_of(values_[static_cast<std::size_t>(&metric - metrics_.data())].values[row]);
     return amount ? std::optional(amount->value) : std::nullopt;
   }
   /// Returns the main metric of the page: the first objective of a search, or frames per joule.
@@ -236,7 +236,7 @@ class Sweep {
     Json out = Json::array();
     for (const results::Column& axis : axes_) {
       std::vector<Value> values = axis.values;
-      std::ranges::stable_sort(values, results::is_before);
+      std::ranges::stable_sort(values, results::sorts_before);
       Json levels = Json::array();
       for (const Value& value : values) {
         const std::string text = sim::printable(results::exact_text(value));

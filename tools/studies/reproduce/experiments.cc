@@ -65,9 +65,9 @@ Case whole_frame(const View& view, bool super, bool quick) {
   return c;
 }
 
-Case units_alone(const View& view, bool super, bool quick) {
+Case tni_alone_machine(const View& view, bool super, bool quick) {
   Case c = mode_of(view, super, quick);
-  c.run.sets = c.reference.sets = tni_alone();
+  c.run.sets = c.reference.sets = tni_alone_settings();
   c.metrics = metric_list("figure 7", {"time_ratio", "speedup", "speedup_x_work", "tni_power", "tni_perf_per_watt"});
   if (view.scene == "village" && super) {
     add_metrics(c, "figure 1", {"psnr_db", "tni_perf_per_watt"});
@@ -84,7 +84,7 @@ std::vector<Case> lee_cases(bool quick) {
     if (quick && (scene == "car" || scene == "laboratory")) continue;
     const View view = view_of_lee(scene, quick);
     for (const bool super : {true, false}) {
-      cases.push_back(units_alone(view, super, quick));
+      cases.push_back(tni_alone_machine(view, super, quick));
       cases.push_back(whole_frame(view, super, quick));
     }
     for (const bool super : {true, false}) {
@@ -125,7 +125,7 @@ View view_of_kim(const std::string& scene, bool quick) {
   if (scene == "ben") view.files.emplace_back("cesium-man-skinned-5k.glb");
   if (scene == "kitchen") view.files.emplace_back("kitchen-866k.glb");
   if (scene == "san-miguel") view.files.emplace_back("garden-outdoor-643k.glb");
-  view.sets = reproduction_rules();
+  view.sets = reproduction_settings();
   return view;
 }
 
@@ -242,7 +242,7 @@ View view_of_jin(const std::string& scene, bool quick) {
     return view;
   }
   view.files = {scene + ".glb", scene == "room" ? "hotel-room-99k.glb" : "kitchen-866k.glb"};
-  view.sets = reproduction_rules();
+  view.sets = reproduction_settings();
   view.sets.emplace_back("render.samples=jittered");
   return view;
 }
@@ -250,7 +250,7 @@ View view_of_jin(const std::string& scene, bool quick) {
 std::string threshold_key(const std::string& key, double value) { return fmt::format("supersample.{}={}", key, value); }
 
 /// Sets the threshold of an attribute for the pixel and for its secondary ray.
-void set_both(Sets& sets, const std::string& key, double value) {
+void set_both_thresholds(Sets& sets, const std::string& key, double value) {
   sets.push_back(threshold_key(key, value));
   sets.push_back(threshold_key("secondary_" + key, value));
 }
@@ -258,10 +258,10 @@ void set_both(Sets& sets, const std::string& key, double value) {
 /// Returns the paper's default program; `alpha` is the threshold of colour and of both textures.
 ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
   ProgramSetup program{"supersample", {threshold_key("colour", alpha)}};
-  set_both(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
-  set_both(program.sets, "normal", 0.06);
-  set_both(program.sets, "shadow", 0.06);
-  set_both(program.sets, "texture", alpha);
+  set_both_thresholds(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
+  set_both_thresholds(program.sets, "normal", 0.06);
+  set_both_thresholds(program.sets, "shadow", 0.06);
+  set_both_thresholds(program.sets, "texture", alpha);
   return program;
 }
 
@@ -292,7 +292,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
   for (const double alpha : {0.1, 0.3, 0.6, 1.0})
     add(fmt::format("tau {:.1f}", alpha), adaptive_supersampling(scene, alpha));
   ProgramSetup shadows = adaptive_supersampling(scene, 1.0);
-  set_both(shadows.sets, "shadow", 1.0);
+  set_both_thresholds(shadows.sets, "shadow", 1.0);
   add("tau 1.0, shadows 1.0", shadows);
   shadows.sets.emplace_back("supersample.focus=true");
   add("in focus", shadows);
@@ -301,7 +301,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
 /// Adds the cases of figure 6: one attribute has a strict threshold, all others have threshold 1.
 void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
-  view.sets = reproduction_rules();
+  view.sets = reproduction_settings();
   view.sets.emplace_back("render.samples=jittered");
   if (quick) view.sets.emplace_back(kFewTriangles);
   std::vector<std::string> keys = {"colour"};
@@ -322,7 +322,7 @@ void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
     ProgramSetup colour{"supersample", {threshold_key("colour", alpha)}};
-    for (const char* key : kGeometry) set_both(colour.sets, key, -1);
+    for (const char* key : kGeometry) set_both_thresholds(colour.sets, key, -1);
     for (const bool single : {true, false}) {
       Case c = against_truth(view, fmt::format("{} {:.1f}", single ? "colour only" : "all thresholds", alpha),
                              single ? colour : adaptive_supersampling("forest", alpha), quick);
@@ -371,7 +371,7 @@ struct Setting {
 
 View view_of(const std::string& scene, const std::string& stand_in, bool quick, const std::string& camera = {}) {
   View view{.scene = scene, .stand_in = stand_in, .files = {}, .camera = camera};
-  view.sets = reproduction_rules();
+  view.sets = reproduction_settings();
   if (quick && stand_in != "cornell") view.sets.emplace_back(kFewTriangles);
   return view;
 }
@@ -385,7 +385,7 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
 
 /// Returns the program on T&I units that never wait for rays.
 ProgramSetup on_tni_alone(ProgramSetup program) {
-  program.sets = join_sets(std::move(program.sets), tni_alone());
+  program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;
 }
 
@@ -503,10 +503,10 @@ struct Machine {
 
 Machine whole_gpu() { return {"whole GPU", {}}; }
 /// Returns the machine that the papers measured: T&I units that never wait for rays.
-Machine units_alone() { return {"T&I alone", tni_alone()}; }
+Machine tni_alone_machine() { return {"T&I alone", tni_alone_settings()}; }
 /// Returns a machine with one traversal unit per intersection unit, so that traversal rarely waits for intersection.
-Machine one_trv() {
-  Machine machine = units_alone();
+Machine one_trv_machine() {
+  Machine machine = tni_alone_machine();
   machine.name = "T&I alone, one TRV";
   machine.sets.emplace_back("tni.trvs=1");
   return machine;
@@ -515,7 +515,7 @@ Machine one_trv() {
 std::vector<View> sgrt_views(bool quick) {
   if (quick) {
     View view{.scene = "chess", .stand_in = "chess", .files = {}};
-    view.sets = reproduction_rules();
+    view.sets = reproduction_settings();
     view.sets.emplace_back(kFewTriangles);
     return {view};
   }
@@ -524,7 +524,7 @@ std::vector<View> sgrt_views(bool quick) {
                            {.scene = "room", .stand_in = "bathroom", .files = {"hotel-room-99k.glb"}},
                            {.scene = "conference", .stand_in = "conference", .files = {"conference-331k.glb"}},
                            {.scene = "garden", .stand_in = "forest", .files = {"garden-outdoor-643k.glb"}}};
-  for (View& view : all) view.sets = reproduction_rules();
+  for (View& view : all) view.sets = reproduction_settings();
   return all;
 }
 
@@ -604,16 +604,16 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
   std::vector<Case> cases;
   for (const View& view : sgrt_views(quick)) {
     Plan plan(cases, view, quick);
-    std::vector<Machine> machines = {units_alone()};
+    std::vector<Machine> machines = {tni_alone_machine()};
     if (!quick) machines.push_back(whole_gpu());
     for (const Machine& m : machines) {
       add_reorder(plan, m);
       add_direct_interface(plan, m);
     }
-    if (!quick) add_sizes(plan, units_alone());
+    if (!quick) add_sizes(plan, tni_alone_machine());
     // Experiments with other trees are last, so that each tree is built once.
     for (const Machine& m : machines) add_hybrid(plan, m);
-    machines.push_back(one_trv());
+    machines.push_back(one_trv_machine());
     for (const Machine& m : machines) add_two_boxes(plan, m);
   }
   return cases;
@@ -629,7 +629,7 @@ std::vector<View> hybrid_views(bool quick) {
   std::vector<View> all;
   for (const char* scene : {"cornell", "chess", "conference", "car", "atrium"}) {
     View view{.scene = scene, .stand_in = scene, .files = {}};
-    view.sets = reproduction_rules();
+    view.sets = reproduction_settings();
     all.push_back(view);
     if (quick) return all;
   }
@@ -650,7 +650,7 @@ std::vector<Case> hybrid_cases(bool quick) {
     };
     add("shadows", {"render.depth=1"});
     add("reflections and refractions", {});
-    if (!quick) add("reflections and refractions, T&I alone", tni_alone());
+    if (!quick) add("reflections and refractions, T&I alone", tni_alone_settings());
     const std::string effects = "render.effects=occlusion, soft_shadows, reflections, refractions";
     add("occlusion and soft shadows", {effects});
     add("occlusion and soft shadows, half rate", {effects, "render.effect_rate=half"});
@@ -699,11 +699,11 @@ const std::vector<Paper>& all_papers() {
   return all;
 }
 
-Sets reproduction_rules() {
+Sets reproduction_settings() {
   return {"scene.lights.rig=strongest", "render.depth=3", "render.samples=regular", "render.glass_shadows=opaque"};
 }
 
-Sets tni_alone() { return {"ideal.srp=true", "ideal.tile_buffer=true", "tile_buffer.tiles_in_flight=8"}; }
+Sets tni_alone_settings() { return {"ideal.srp=true", "ideal.tile_buffer=true", "tile_buffer.tiles_in_flight=8"}; }
 
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick) {
   constexpr std::uint32_t kQuickly = 16;

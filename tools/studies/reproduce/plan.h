@@ -72,10 +72,10 @@ const std::vector<Paper>& all_papers();
 
 /// Returns settings that adapt a scene to these experiments, as traces/workloads/reproduction.yaml does for built-in
 /// scenes.
-Sets reproduction_rules();
+Sets reproduction_settings();
 
 /// Returns settings of a machine whose T&I units never wait for rays, so that they are measured alone.
-Sets tni_alone();
+Sets tni_alone_settings();
 
 /// Returns the side of a picture in pixels: `pixels`, or a fraction of it if `quick`.
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick);

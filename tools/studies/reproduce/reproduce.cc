@@ -161,7 +161,7 @@ std::string heading_text(const Results& results) {
 }
 
 /// Groups rows by experiment, in the order in which experiments first occur.
-std::vector<Row> by_experiment(std::vector<Row> rows) {
+std::vector<Row> group_rows_by_experiment(std::vector<Row> rows) {
   std::vector<std::string> order;
   for (const Row& row : rows) {
     if (std::ranges::find(order, row.key.experiment) == order.end()) order.push_back(row.key.experiment);
@@ -199,7 +199,7 @@ sim::Json rows_json(const Results& results) {
 
 std::string results_text(const Results& results) {
   sim::Table table({"experiment", "scene", "setting", "figure", "measured", "published", "difference"});
-  for (const Row& row : by_experiment(results.rows)) {
+  for (const Row& row : group_rows_by_experiment(results.rows)) {
     table.add_row({row.key.experiment, row.key.scene, row.key.setting, row.key.metric,
                    row.measured ? measured_text(row) : "-", published_text(row), difference_text(row)});
   }
@@ -273,7 +273,7 @@ std::string experiment_markdown(std::span<const Row> rows) {
 std::string results_markdown(const Results& results, const std::vector<std::string>& pictures) {
   std::string out = fmt::format("# {}\n", heading_text(results));
   if (!results.note.empty()) out += fmt::format("\n{}\n", results.note);
-  const std::vector<Row> rows = by_experiment(results.rows);
+  const std::vector<Row> rows = group_rows_by_experiment(results.rows);
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last =
         std::find_if(first, rows.end(), [&](const Row& row) { return row.key.experiment != first->key.experiment; });
@@ -446,7 +446,7 @@ class Job {
 
   std::string stand_in_or_none(const View& view) const {
     try {
-      return runner_.stand_in(view);
+      return runner_.find_stand_in_scene(view);
     } catch (const sim::InputError&) {
       return {};
     }

@@ -153,7 +153,7 @@ std::string file_part(std::string text) {
 
 }  // namespace
 
-std::string Runner::stand_in(const View& view) const {
+std::string Runner::find_stand_in_scene(const View& view) const {
   std::error_code unreadable;
   for (const std::string& file : view.files) {
     if (options_.scenes.empty()) break;
@@ -170,7 +170,7 @@ std::string Runner::stand_in(const View& view) const {
 JobOptions Runner::job_options(const Case& c, const ProgramSetup& program) const {
   JobOptions job;
   job.config = options_.config;
-  job.scene = stand_in(c.view);
+  job.scene = find_stand_in_scene(c.view);
   job.camera = c.view.camera;
   job.frames = c.view.frame;
   job.resolution = fmt::format("{}x{}", c.width, c.height);
@@ -237,7 +237,7 @@ const std::vector<float>& Runner::truth_picture(const Case& c) {
 const std::vector<Mask>& Runner::pixel_masks(const Case& c) {
   if (masks_.empty()) {
     inputs_->config = load_run_config(job_options(c, {}));
-    masks_ = masks_of(*inputs_, host_threads(options_.threads));
+    masks_ = classify_pixels(*inputs_, host_threads(options_.threads));
   }
   return masks_;
 }
@@ -568,7 +568,7 @@ class RowClassifier {
 
 }  // namespace
 
-std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads) {
+std::vector<Mask> classify_pixels(const Inputs& inputs, std::uint32_t threads) {
   const RowClassifier classifier(inputs);
   const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
   std::vector<Mask> masks(std::size_t{width} * height);

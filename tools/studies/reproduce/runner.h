@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(Mask::kCount)> n
 }
 
 /// Returns the mask of each pixel of a view, row by row.
-std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads);
+std::vector<Mask> classify_pixels(const Inputs& inputs, std::uint32_t threads);
 
 /// Mean squared error of the pixels of each mask; nothing for a mask without pixels.
 using MaskedErrors = std::array<std::optional<double>, static_cast<std::size_t>(Mask::kCount)>;
@@ -104,7 +104,7 @@ class Runner {
   std::vector<Measured> measure_case(const Case& c);
 
   /// Returns the name or file of the scene that replaces the one of the paper. Throws InputError if there is none.
-  std::string stand_in(const View& view) const;
+  std::string find_stand_in_scene(const View& view) const;
 
   /// Writes the pictures of the last measured case: of the run, its debug pictures (picture.h), its reference
   /// (one file per reference), four times the difference, and crops of these.

@@ -11,7 +11,7 @@ namespace {
 using sim::Json;
 
 /// Joins one number per clock domain: "500/1000/500".
-std::string of_domains(const std::vector<double>& values) {
+std::string join_domain_values(const std::vector<double>& values) {
   std::string text;
   for (const double value : values) text += fmt::format("{}{:.4g}", text.empty() ? "" : "/", value);
   return text;
@@ -32,9 +32,9 @@ std::string sustain_text(const SustainStudy& study) {
     const auto celsius = [&](double sim::Temperatures::*node) {
       return study.steady[i] ? fmt::format("{:.1f}", *study.steady[i].*node) : std::string("runs away");
     };
-    clocks.add_row({fmt::format("{:.3g}", step.factor), of_domains(study.mhz[i]), of_domains(study.volt[i]),
-                    sim::four_digits(1000 * mean), sim::four_digits(1 / mean), celsius(&sim::Temperatures::die),
-                    celsius(&sim::Temperatures::body)});
+    clocks.add_row({fmt::format("{:.3g}", step.factor), join_domain_values(study.mhz[i]),
+                    join_domain_values(study.volt[i]), sim::four_digits(1000 * mean), sim::four_digits(1 / mean),
+                    celsius(&sim::Temperatures::die), celsius(&sim::Temperatures::body)});
   }
   sim::Table loops({"min", "frames/s", "W", "clocks x", "least", "die, C", "body, C"});
   for (std::size_t i = 0; i < study.run.loops.size(); ++i) {

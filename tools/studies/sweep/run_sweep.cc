@@ -196,11 +196,11 @@ int run_sweep(const SweepOptions& options) {
     return kGood;
   }
   const HoldInterrupts hold;
-  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::Of::kSweep);
+  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::FolderKind::kSweep);
   if (!lock)
     throw sim::InputError(fmt::format("{}: another process is running this sweep", sim::printable(out.string())));
-  const SweepFolder folder =
-      SweepFolder::create(out, SweepFolder::Of::kSweep, planned.text, planned.points, store_root, planned.slurm);
+  const SweepFolder folder = SweepFolder::create(out, SweepFolder::FolderKind::kSweep, planned.text, planned.points,
+                                                 store_root, planned.slurm);
   const Store store = folder.store();
   store.remove_stale();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);

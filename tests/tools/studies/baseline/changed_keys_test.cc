@@ -66,26 +66,26 @@ TEST(UnitOfKey, CoversTheUnitsOfItsCounters) {
 TEST(ChangedKeys, ListKeysOfOnlyOneConfigurationSeparately) {
   const ChangedKeys keys = changed_keys({{"l2.mshrs", "32"}, {"l2.ways", "8"}, {"old", "1"}},
                                         {{"l2.mshrs", "8"}, {"l2.ways", "8"}, {"new.key", "2"}});
-  EXPECT_EQ(changed_text(keys.changed), "Changed in l2.bank: l2.mshrs was 32, is 8\n");
-  EXPECT_EQ(changed_text(keys.of_one), "Changed in new: new.key was none, is 2\nChanged: old was 1, is none\n");
+  EXPECT_EQ(changed_keys_text(keys.changed), "Changed in l2.bank: l2.mshrs was 32, is 8\n");
+  EXPECT_EQ(changed_keys_text(keys.of_one), "Changed in new: new.key was none, is 2\nChanged: old was 1, is none\n");
 }
 
 TEST(ChangedKeys, MoreThanFourOfAGroupAreOneLine) {
   std::vector<KeyPair> keys = {{"dram.grade", "A", "B"}};
   for (const char* name : {"ccd_l", "faw", "ras", "rc"}) keys.push_back({std::string("dram.timing.") + name, "1", "2"});
   EXPECT_EQ(
-      changed_text(keys),
+      changed_keys_text(keys),
       "Changed in dram.channel: dram.grade was A, is B\nChanged in dram.channel: dram.timing.ccd_l was 1, is 2\n"
       "Changed in dram.channel: dram.timing.faw was 1, is 2\nChanged in dram.channel: dram.timing.ras was 1, is 2\n"
       "Changed in dram.channel: dram.timing.rc was 1, is 2\n");
   keys.push_back({"dram.timing.rcd", "1", "2"});
-  EXPECT_EQ(changed_text(keys),
+  EXPECT_EQ(changed_keys_text(keys),
             "Changed in dram.channel: dram.grade was A, is B\n"
             "Changed in dram.channel: dram.timing.ccd_l was 1, is 2, and 4 more keys of dram.timing\n");
 }
 
 TEST(ChangedKeys, AreGroupedByUnit) {
-  EXPECT_EQ(changed_text({{"l2.mshrs", "32", "8"}, {"cores", "4", "2"}, {"l2.ways", "8", "4"}}),
+  EXPECT_EQ(changed_keys_text({{"l2.mshrs", "32", "8"}, {"cores", "4", "2"}, {"l2.ways", "8", "4"}}),
             "Changed in l2.bank: l2.mshrs was 32, is 8\nChanged in l2.bank: l2.ways was 8, is 4\n"
             "Changed: cores was 4, is 2\n");
 }

@@ -139,7 +139,7 @@ TEST(Reproduce, SkipsMissingScenesAndNamesTheirFiles) {
       .scene = "kitchen", .stand_in = "", .files = {"kitchen.glb", "kitchen-866k.glb"}};
   const auto complaint = [&] {
     try {
-      return Runner(options).stand_in(kitchen);
+      return Runner(options).find_stand_in_scene(kitchen);
     } catch (const sim::InputError& error) {
       return std::string(error.what());
     }
@@ -155,11 +155,11 @@ TEST(Reproduce, UsesABuiltInSceneOnlyWithoutTheOriginal) {
   const TempFolder folder;
   tools::reproduce::Options options;
   const tools::reproduce::View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
-  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  EXPECT_EQ(Runner(options).find_stand_in_scene(car), "car");
   options.scenes = folder.path();
-  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  EXPECT_EQ(Runner(options).find_stand_in_scene(car), "car");
   folder.write("car-62k.glb", "");
-  EXPECT_EQ(Runner(options).stand_in(car), (folder.path() / "car-62k.glb").string());
+  EXPECT_EQ(Runner(options).find_stand_in_scene(car), (folder.path() / "car-62k.glb").string());
 }
 
 TEST(Reproduce, ComparesARunWithAReferenceOnAnotherTree) {
@@ -181,7 +181,7 @@ TEST(Reproduce, ComparesARunWithAReferenceOnAnotherTree) {
 }
 
 TEST(Reproduce, MeasuresFigure7OfLeeOnUnitsAloneAndTheFrameOnTheWholeMachine) {
-  const Sets alone = tni_alone();
+  const Sets alone = tni_alone_settings();
   std::set<std::string> scopes;
   for (const Case& c : lee_cases(false)) {
     for (const PaperMetric& metric : c.metrics) {

@@ -36,7 +36,7 @@ struct SlicedSweep : testing::Test {
   std::vector<Point> points() const {
     std::istringstream lines(read_bytes(out / "points.jsonl"));
     std::vector<Point> all;
-    for (std::string line; std::getline(lines, line);) all.push_back(tools::sweep::read_line(line, "points"));
+    for (std::string line; std::getline(lines, line);) all.push_back(tools::sweep::parse_point_line(line, "points"));
     return all;
   }
   std::string table() const { return read_bytes(out / "results.csv"); }
@@ -253,13 +253,13 @@ TEST(SlicesOfPoints, HaveNamesOfTheirOwnAndAreReadFromTheirLines) {
   EXPECT_NE(slices[0].id, slices[1].id);
   EXPECT_NE(slices[0].id, slices_of(more[0])[0].id);
   EXPECT_TRUE(slices_of(slices[0]).empty());
-  EXPECT_EQ(to_line(whole_of(slices[2])), to_line(cut[0]));
-  const std::string line = to_line(slices[1]);
-  EXPECT_EQ(to_line(tools::sweep::read_line(line, "here")), line);
+  EXPECT_EQ(format_point_line(whole_point_of(slices[2])), format_point_line(cut[0]));
+  const std::string line = format_point_line(slices[1]);
+  EXPECT_EQ(format_point_line(tools::sweep::parse_point_line(line, "here")), line);
   for (const char* bad : {R"("slice":4)", R"("slice":0)"}) {
     std::string damaged = line;
     damaged.replace(damaged.find("\"slice\":2"), 9, bad);
-    EXPECT_THROW(tools::sweep::read_line(damaged, "here"), sim::InputError) << bad;
+    EXPECT_THROW(tools::sweep::parse_point_line(damaged, "here"), sim::InputError) << bad;
   }
 }
 

@@ -148,15 +148,15 @@ TEST(SweepSpec, ValuesThatDoNotGoTogetherMakeAPointWithAnError) {
 
 TEST(SweepSpec, ALineGivesItsPointBack) {
   for (const auto& point : points_of("axes: {cores: [1, 2]}\nimage: yes\nreference: full:4\nscene: teapot\n")) {
-    const std::string line = tools::sweep::to_line(point);
-    EXPECT_EQ(tools::sweep::to_line(tools::sweep::read_line(line, "here")), line);
+    const std::string line = tools::sweep::format_point_line(point);
+    EXPECT_EQ(tools::sweep::format_point_line(tools::sweep::parse_point_line(line, "here")), line);
   }
 }
 
 TEST(SweepSpec, RangesMayMixUnitsOfOneKind) {
   const auto points = points_of("axes:\n  l2.size: {from: 128 KiB, to: 1 MiB, factor: 2}\n");
   ASSERT_EQ(points.size(), 4U);
-  EXPECT_SAYS(tools::sweep::to_line(points.back()), "1024 KiB");
+  EXPECT_SAYS(tools::sweep::format_point_line(points.back()), "1024 KiB");
 }
 
 TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {

@@ -77,7 +77,7 @@ Json frames_in(const Store& store, const Point& slice) {
 }
 
 /// Returns the results of frame `frame` from every slice.
-std::vector<Json> at_frame(std::span<const Json> slices, std::size_t frame) {
+std::vector<Json> frame_of_each_slice(std::span<const Json> slices, std::size_t frame) {
   std::vector<Json> out;
   for (const Json& slice : slices) out.push_back(slice.at(frame));
   return out;
@@ -91,7 +91,8 @@ class JoinedSlices final : public PosedFrames {
   bool has_whole_frames() const override { return false; }
   bool has_reference() const override { return false; }
   FrameResult simulate(const SimulateOptions&) override {
-    return join_slices(inputs_, program_, at_frame(slices_, inputs_.frame - inputs_.config.scene.first_frame));
+    return join_slices(inputs_, program_,
+                       frame_of_each_slice(slices_, inputs_.frame - inputs_.config.scene.first_frame));
   }
   FrameResult simulate_reference(const SimulateOptions&) override {
     throw std::logic_error("slices have no reference");
@@ -223,7 +224,7 @@ std::optional<PointComputer::Recording> PointComputer::begin_recording(const std
 
 void PointComputer::play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config) {
   const kernels::ProgramSpec program = kernels::parse_program(slice.program);
-  store_.put_result(slice.id, made_of(slice), [&](const fs::path& folder) {
+  store_.put_result(slice.id, slice_identity(slice), [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(slice, key, config);
     Json frames = Json::array();
     for_each_frame(inputs, threads_, nullptr,
@@ -268,7 +269,7 @@ std::optional<Failure> PointComputer::compute_missing_slices(const Point& whole,
 }
 
 void PointComputer::join_if_complete(const Point& slice, const Order& order) {
-  const Point whole = whole_of(slice);
+  const Point whole = whole_point_of(slice);
   const auto is_there = [&](const Point& one) { return fs::exists(store_.folder_of(one.id)); };
   if (std::ranges::all_of(slices_of(whole), is_there))
     compute_point(whole, {.retry = order.retry, .attempt = order.attempt});

@@ -346,7 +346,7 @@ class LocalLauncher final : public Launcher {
       worker.log_begin = size_of(worker.log);
       attempts_[order.point] = order.attempt;
       begun_[w] = sim::HostClock::now();
-      send_message(worker.socket, {{"point", to_line(points_[order.point])},
+      send_message(worker.socket, {{"point", format_point_line(points_[order.point])},
                                    {"record", begin_recording(order.point)},
                                    {"wait", order.locked},
                                    {"attempt", order.attempt}});
@@ -491,7 +491,7 @@ class LocalLauncher final : public Launcher {
     try {
       PointComputer computer(store_, options_.threads);
       while (const std::optional<Json> order = receive_message(socket)) {
-        const Point point = read_line(order->at("point").get<std::string>(), "worker");
+        const Point point = parse_point_line(order->at("point").get<std::string>(), "worker");
         Json answer;
         try {
           const PointStatus status =

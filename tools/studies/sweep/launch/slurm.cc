@@ -146,7 +146,7 @@ std::string output_of(const Words& words) {
 }
 
 /// Returns the queued tasks of this user whose script is in this folder. Throws IoError if squeue fails.
-std::vector<SlurmTask> list_tasks(const fs::path& folder) {
+std::vector<SlurmTask> queued_tasks(const fs::path& folder) {
   // The name of the script may contain any character, so it is the last field.
   std::istringstream lines(
       output_of<sim::IoError>({"squeue", "--me", "--noheader", "--array", "--format=%F|%K|%T|%r|%N|%o"}));
@@ -167,7 +167,7 @@ std::vector<SlurmTask> list_tasks(const fs::path& folder) {
 }
 
 /// Returns the largest number of tasks of an array: MaxArraySize. Throws IoError.
-std::uint64_t most_tasks() {
+std::uint64_t max_array_size() {
   constexpr std::string_view kKey = "MaxArraySize";
   std::istringstream lines(output_of<sim::IoError>({"scontrol", "show", "config"}));
   for (std::string line; std::getline(lines, line);) {
@@ -207,7 +207,7 @@ struct SlurmQueue {
 };
 
 /// Returns the path of the folder without symbolic links, as squeue prints it.
-fs::path true_path(const SweepFolder& folder) { return fs::canonical(folder.path()); }
+fs::path canonical_path(const SweepFolder& folder) { return fs::canonical(folder.path()); }
 
 std::vector<std::string> read_lines(const fs::path& file) {
   std::istringstream text(sim::read_file(file, kMostListBytes));
@@ -218,7 +218,7 @@ std::vector<std::string> read_lines(const fs::path& file) {
 
 SlurmQueue read_queue(const SweepFolder& folder) {
   SlurmQueue queue;
-  for (const SlurmTask& task : list_tasks(true_path(folder))) {
+  for (const SlurmTask& task : queued_tasks(canonical_path(folder))) {
     const bool waits = task.state == "PENDING";
     (waits ? queue.waiting : queue.running) += 1;
     if (waits && task.reason != "None") queue.reasons.insert(task.reason);
@@ -231,7 +231,7 @@ SlurmQueue read_queue(const SweepFolder& folder) {
 std::set<std::string> queued_points(const SweepFolder& folder) {
   std::map<fs::path, std::vector<std::string>> lists;
   std::set<std::string> ids;
-  for (const SlurmTask& task : list_tasks(true_path(folder))) {
+  for (const SlurmTask& task : queued_tasks(canonical_path(folder))) {
     const auto [list, is_new] = lists.try_emplace(task.script);
     if (is_new) list->second = read_lines(fs::path(task.script).replace_extension(".txt"));
     if (task.index >= list->second.size()) continue;
@@ -294,7 +294,7 @@ fs::path list_file(const fs::path& folder, std::uint64_t k) { return folder / fm
 fs::path script_file(const fs::path& folder, std::uint64_t k) { return folder / fmt::format("submit-{}.sh", k); }
 
 /// Returns the lowest number that no earlier job array of the sweep has.
-std::uint64_t next_array(const fs::path& folder) {
+std::uint64_t next_array_number(const fs::path& folder) {
   std::uint64_t k = 1;
   while (fs::exists(script_file(folder, k)) || fs::exists(list_file(folder, k))) ++k;
   return k;
@@ -351,7 +351,7 @@ SlurmLauncher::Submitted SlurmLauncher::submit_points(std::span<const Point> poi
   for (const Point* point : wanted) remove_failure(*point);
   const std::uint64_t chunk = options_.chunk != 0 ? options_.chunk : (wanted.size() + kTasks - 1) / kTasks;
   const std::vector<std::string> lines = task_lines(wanted, chunk);
-  const std::uint64_t most = most_tasks();
+  const std::uint64_t most = max_array_size();
   for (std::uint64_t begin = 0; begin < lines.size(); begin += most) {
     submitted.jobs.push_back(
         submit_array(std::span(lines).subspan(begin, std::min<std::uint64_t>(most, lines.size() - begin))));
@@ -362,8 +362,8 @@ SlurmLauncher::Submitted SlurmLauncher::submit_points(std::span<const Point> poi
 }
 
 std::string SlurmLauncher::submit_array(std::span<const std::string> lines) {
-  const fs::path folder = true_path(folder_);
-  const std::uint64_t k = next_array(folder);
+  const fs::path folder = canonical_path(folder_);
+  const std::uint64_t k = next_array_number(folder);
   const fs::path list = list_file(folder, k), script = script_file(folder, k);
   std::string text;
   for (const std::string& line : lines) text += line + "\n";

@@ -57,11 +57,11 @@ std::string tie_table(const Results& results, const FigureNoise& noise, const st
 /// 2. Not all values tie: the axis matters, or matters little if it explains less than 5 % of the variance.
 std::string axis_table(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
                        const std::vector<std::size_t>& ties) {
-  std::vector<bool> may(results.rows().size());
-  for (const std::size_t row : candidates) may[row] = true;
+  std::vector<bool> selected(results.rows().size());
+  for (const std::size_t row : candidates) selected[row] = true;
   sim::Table table({"axis", "values that tie", "of", "share of variance", "95 %"});
   std::vector<std::string> matter, little, do_not, hidden;
-  const Sensitivity sensitivity = find_sensitivity(results, noise.means().name, may);
+  const Sensitivity sensitivity = find_sensitivity(results, noise.means().name, selected);
   for (const Effect& effect : sensitivity.effects) {
     std::set<std::size_t> here;
     for (const std::size_t row : ties) {
@@ -111,22 +111,23 @@ std::string ties_text(const Results& results, const FigureNoise& noise, const st
 
 }  // namespace
 
-std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const std::vector<std::size_t>& candidates,
-                                   std::size_t first) {
+std::vector<std::size_t> find_ties(const FigureNoise& noise, bool more_is_better,
+                                   const std::vector<std::size_t>& candidates, std::size_t first) {
   std::vector<std::size_t> others, ties;
   std::vector<double> p_values;
   for (const std::size_t row : candidates) {
     if (row == first) continue;
     others.push_back(row);
-    p_values.push_back(noise.p_value_better(first, row, most));
+    p_values.push_back(noise.p_value_better(first, row, more_is_better));
   }
   const std::vector<bool> worse = reject_hypotheses(p_values, kError);
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (!worse[i]) ties.push_back(others[i]);
   }
-  const auto number = [&](std::size_t row) { return amount_of(noise.means().values[row])->value; };
-  std::ranges::stable_sort(
-      ties, [&](std::size_t a, std::size_t b) { return most ? number(a) > number(b) : number(a) < number(b); });
+  const auto number = [&](std::size_t row) { return magnitude_of(noise.means().values[row])->value; };
+  std::ranges::stable_sort(ties, [&](std::size_t a, std::size_t b) {
+    return more_is_better ? number(a) > number(b) : number(a) < number(b);
+  });
   return ties;
 }
 
@@ -174,7 +175,7 @@ Lines figure_lines(const Results& results, const Column& metric, const BestOptio
 }
 
 /// Throws InputError if draws of the energy tables are requested for a figure without energy.
-void check_has_band(const Column& metric, const BestOptions& options) {
+void check_metric_has_energy(const Column& metric, const BestOptions& options) {
   if (!options.band || energy_metric(metric.name)) return;
   throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",
                                     shown_name(metric), kEnergyMetrics));
@@ -184,20 +185,20 @@ void check_has_band(const Column& metric, const BestOptions& options) {
 
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
   const Column metric = results.column(options.metric);
-  check_has_band(metric, options);
-  const std::vector<bool> may = rows_meeting(results, options.where);
+  check_metric_has_energy(metric, options);
+  const std::vector<bool> selected = rows_meeting(results, options.where);
   std::vector<std::size_t> candidates;
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && results.rows()[row].is_done() && amount_of(metric.values[row])) candidates.push_back(row);
+  for (std::size_t row = 0; row < selected.size(); ++row) {
+    if (selected[row] && results.rows()[row].is_done() && magnitude_of(metric.values[row])) candidates.push_back(row);
   }
   const FigureNoise noise(results, metric, candidates);
   std::optional<std::size_t> best;
   std::size_t equal = 0;
   double figure = 0;
   for (const std::size_t row : candidates) {
-    const double value = amount_of(noise.means().values[row])->value;
+    const double value = magnitude_of(noise.means().values[row])->value;
     if (best && value == figure) ++equal;
-    if (best && !(options.most ? value > figure : value < figure)) continue;
+    if (best && !(options.more_is_better ? value > figure : value < figure)) continue;
     best = row;
     figure = value;
     equal = 0;
@@ -230,12 +231,12 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
   if (noise.is_noisy() && candidates.size() > 1) {
-    const std::vector<std::size_t> ties = find_ties(noise, options.most, candidates, *best);
+    const std::vector<std::size_t> ties = find_ties(noise, options.more_is_better, candidates, *best);
     out += "\n" + ties_text(results, noise, candidates, *best, ties);
   }
   if (options.band) {
-    EnergyBand band(results, may);
-    out += "\n" + band.best_text(results, band.price_metric(noise.means(), options.most));
+    EnergyBand band(results, selected);
+    out += "\n" + band.best_text(results, band.price_metric(noise.means(), options.more_is_better));
     out += energy_draws_note({&noise});
   }
   out += extrapolated_note(results, candidates);
@@ -357,11 +358,11 @@ DrawnPair price_both(const Results& results, const Objective& x, const Objective
     throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
                                       shown_name(x.column), shown_name(y.column), kEnergyMetrics));
   }
-  std::vector<bool> may(results.rows().size());
-  for (const std::size_t row : front.all_rows()) may[row] = true;
-  EnergyBand band(results, may);
-  DrawnPair out{band.price_metric(x.column, x.most), band.price_metric(y.column, y.most),
-                std::vector<std::size_t>(may.size())};
+  std::vector<bool> selected(results.rows().size());
+  for (const std::size_t row : front.all_rows()) selected[row] = true;
+  EnergyBand band(results, selected);
+  DrawnPair out{band.price_metric(x.column, x.more_is_better), band.price_metric(y.column, y.more_is_better),
+                std::vector<std::size_t>(selected.size())};
   for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
   return out;
 }
@@ -405,8 +406,8 @@ std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const 
   for (const std::size_t row : front.rows) {
     sure.push_back(std::ranges::all_of(all, [&](std::size_t other) {
       const bool is_equal = *x.value_of(row) == *x.value_of(other) && *y.value_of(row) == *y.value_of(other);
-      return is_equal || x_noise.p_value_better(row, other, x.most) <= level ||
-             y_noise.p_value_better(row, other, y.most) <= level;
+      return is_equal || x_noise.p_value_better(row, other, x.more_is_better) <= level ||
+             y_noise.p_value_better(row, other, y.more_is_better) <= level;
     }));
   }
   return sure;
@@ -416,15 +417,15 @@ std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const 
 
 Objective::Objective(const Results& results, const std::string& text)
     : column(results.column(path_of(text))),
-      most(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
+      more_is_better(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
 
 std::optional<double> Objective::value_of(std::size_t row) const {
-  const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
+  const std::optional<sweep::Magnitude> number = magnitude_of(column.values[row]);
   return number ? std::optional(number->value) : std::nullopt;
 }
 
 std::string Objective::describe() const {
-  return fmt::format("{} ({} is better)", shown_name(column), most ? "more" : "less");
+  return fmt::format("{} ({} is better)", shown_name(column), more_is_better ? "more" : "less");
 }
 
 std::vector<std::size_t> ParetoFront::all_rows() const {
@@ -438,15 +439,15 @@ char ParetoFront::mark_of(std::size_t i) const {
   return rows.size() <= kLetters.size() ? kLetters[i] : '#';
 }
 
-ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
+ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected) {
   struct Point {
     std::size_t row;
     double x, y;
   };
   std::vector<Point> points;
-  for (std::size_t row = 0; row < may.size(); ++row) {
+  for (std::size_t row = 0; row < selected.size(); ++row) {
     const auto at_x = x.value_of(row), at_y = y.value_of(row);
-    if (may[row] && at_x && at_y) points.push_back({row, *at_x, *at_y});
+    if (selected[row] && at_x && at_y) points.push_back({row, *at_x, *at_y});
   }
   std::ranges::stable_sort(points, [&](const Point& a, const Point& b) {
     return a.x != b.x ? x.is_better(a.x, b.x) : y.is_better(a.y, b.y);
@@ -468,7 +469,7 @@ std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y,
   const std::vector<std::size_t> all = front.all_rows();
   const double level = kError / static_cast<double>(all.size());
   const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
-    return noise.p_value_better(better, worse, o.most) <= level ||
+    return noise.p_value_better(better, worse, o.more_is_better) <= level ||
            (!noise.is_noisy() && *o.value_of(better) == *o.value_of(worse));
   };
   const auto beats = [&](std::size_t better, std::size_t worse) {
@@ -485,15 +486,15 @@ std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y,
 
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
   Objective x(results, options.x), y(results, options.y);
-  const std::vector<bool> may = rows_meeting(results, options.where);
+  const std::vector<bool> selected = rows_meeting(results, options.where);
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
+  for (std::size_t row = 0; row < selected.size(); ++row) {
+    if (selected[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
   }
   const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
   x.column = x_noise.means();
   y.column = y_noise.means();
-  ParetoFront front = find_front(x, y, may);
+  ParetoFront front = find_front(x, y, selected);
   if (front.rows.empty()) {
     const std::string missing = results.missing_text();
     throw sim::InputError(fmt::format("no point has both {} and {}{}{}", shown_name(x.column), shown_name(y.column),

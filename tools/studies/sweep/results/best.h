@@ -14,12 +14,12 @@ namespace tools::results {
 
 /// Returns the candidates that are not significantly worse than `first`, the best one, at 5 % for all of them together;
 /// ordered from the best, without `first`.
-std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const std::vector<std::size_t>& candidates,
-                                   std::size_t first);
+std::vector<std::size_t> find_ties(const FigureNoise& noise, bool more_is_better,
+                                   const std::vector<std::size_t>& candidates, std::size_t first);
 
 struct BestOptions {
   std::string metric;
-  bool most = true;
+  bool more_is_better = true;
   std::vector<std::string> where;
   bool band = false;  ///< also price the points under draws of the energy tables
 };
@@ -30,14 +30,14 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
 /// A figure to minimise or maximise.
 struct Objective {
   Column column;
-  bool most = false;  ///< more is better
+  bool more_is_better = false;
 
   /// Parses "PATH", "min:PATH" or "max:PATH". The default is max for performance, performance per watt, utilisation and
   /// PSNR, min for all else. Throws InputError for unknown paths.
   Objective(const Results& results, const std::string& text);
   /// Value of a point as a number; nothing if it has none.
   std::optional<double> value_of(std::size_t row) const;
-  bool is_better(double a, double b) const { return most ? a > b : a < b; }
+  bool is_better(double a, double b) const { return more_is_better ? a > b : a < b; }
   std::string describe() const;
 };
 
@@ -52,8 +52,8 @@ struct ParetoFront {
   char mark_of(std::size_t i) const;
 };
 
-/// Finds the Pareto front of the rows selected by `may`: rows that no other row dominates.
-ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
+/// Finds the Pareto front of the selected rows: the rows that no other row dominates.
+ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected);
 
 /// Returns the rows of `front.other` that no other row dominates significantly, at 5 % for all comparisons of a row
 /// together. `sure`: also requires that a row dominates another under the draws of the energy tables; may be empty.

@@ -299,7 +299,7 @@ void write_axes(SQLite::Database& index, const Collection& all) {
     for (const ListedPoint& point : all.points) {
       for (const auto& [name, value] : point.axes) {
         if (name != all.axes[a]) continue;
-        const std::optional<sweep::Magnitude> magnitude = sweep::magnitude_of(value);
+        const std::optional<sweep::Magnitude> magnitude = sweep::parse_magnitude(value);
         insert_row(parameter, {number, point.n, value, magnitude ? Value(magnitude->value) : Value()});
       }
     }
@@ -360,7 +360,7 @@ const char* unit_of_axis(const SQLite::Database& index, std::int64_t axis) {
   SQLite::Statement values(index, "SELECT value FROM parameters WHERE axis = ?");
   values.bind(1, axis);
   while (values.executeStep()) {
-    const std::optional<sweep::Magnitude> number = sweep::magnitude_of(values.getColumn(0).getString());
+    const std::optional<sweep::Magnitude> number = sweep::parse_magnitude(values.getColumn(0).getString());
     if (!number || number->kind == Kind::kNumber) continue;
     return number->kind == Kind::kBytes ? "bytes" : number->kind == Kind::kTime ? "fs" : "hz";
   }
@@ -418,7 +418,7 @@ std::string file_bytes(SQLite::Database& index) {
 }
 
 /// Returns size, inode and time of a file as text, which changes with the file; "-" if there is no file.
-std::string file_mark(const fs::path& file) {
+std::string file_fingerprint(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return "-";
   return fmt::format("{} {} {}.{:09}", status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
@@ -432,8 +432,8 @@ std::string input_fingerprint(const std::vector<ListedPoint>& points, const swee
     all.add(fmt::format("{} {}\n", point.n, point.id));
     for (const auto& [name, value] : point.axes) all.add(fmt::format("{}\n{}\n", name, value));
     const fs::path folder = store.folder_of(point.id);
-    all.add(fmt::format("{}, {}, {}, {}\n", file_mark(folder), file_mark(folder / "report.json"),
-                        file_mark(folder / "point.json"), file_mark(store.failure_file(point.id))));
+    all.add(fmt::format("{}, {}, {}, {}\n", file_fingerprint(folder), file_fingerprint(folder / "report.json"),
+                        file_fingerprint(folder / "point.json"), file_fingerprint(store.failure_file(point.id))));
   }
   return all.hex_digest();
 }
@@ -443,11 +443,12 @@ std::optional<Collected> load_if_current(const fs::path& sweep, const std::strin
   try {
     const std::unique_ptr<SQLite::Database> index = open_index(sweep / "index.sqlite");
     std::map<std::string, std::string> facts = read_facts(*index);
-    if (facts["made_from"] != fingerprint || facts["csv"] != file_mark(sweep / "results.csv")) return std::nullopt;
+    if (facts["made_from"] != fingerprint || facts["csv"] != file_fingerprint(sweep / "results.csv"))
+      return std::nullopt;
     Collected collected{{}, true};
     SQLite::Statement count(*index, "SELECT status, COUNT(*) FROM points GROUP BY status");
     while (count.executeStep()) {
-      collected.counts[status_named(count.getColumn(0).getString())] =
+      collected.counts[parse_status(count.getColumn(0).getString())] =
           static_cast<std::size_t>(count.getColumn(1).getInt64());
     }
     return collected;
@@ -492,7 +493,7 @@ Collected collect_results(const sweep::SweepFolder& folder) try {
   SQLite::Statement fact(index, "INSERT INTO sweep VALUES (?, ?)");
   insert_row(fact, {"store", store.root().string()});
   insert_row(fact, {"made_from", fingerprint});
-  insert_row(fact, {"csv", file_mark(csv)});
+  insert_row(fact, {"csv", file_fingerprint(csv)});
   sim::write_file_atomically(path / "index.sqlite", file_bytes(index));
   return collected;
 } catch (const SQLite::Exception& error) {

@@ -36,7 +36,7 @@ std::string label_of(const std::vector<Column>& varying, std::size_t row) {
 }
 
 /// Returns the share of all pairs of points that the values `b` order differently from the values `a`.
-double share_of_turned_pairs(const std::vector<double>& a, const std::vector<double>& b) {
+double share_of_reordered_pairs(const std::vector<double>& a, const std::vector<double>& b) {
   std::size_t pairs = 0, other = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = i + 1; k < a.size(); ++k, ++pairs) other += (a[i] < a[k]) != (b[i] < b[k]) ? 1 : 0;
@@ -66,20 +66,20 @@ std::string BandedMetric::ratio_text(std::size_t point, std::size_t other) const
                      at_high[point] / at_high[other]);
 }
 
-EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& may) {
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    if (!may[row] || !results.rows()[row].is_done()) continue;
+EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& selected) {
+  for (std::size_t row = 0; row < selected.size(); ++row) {
+    if (!selected[row] || !results.rows()[row].is_done()) continue;
     rows_.push_back(row);
     runs_.push_back(std::make_unique<PricedRun>(load_report(results.folder_of(results.rows()[row]))));
   }
   if (rows_.empty()) throw sim::InputError("no point has a report to be priced");
 }
 
-BandedMetric EnergyBand::price_metric(const Column& column, bool most) {
+BandedMetric EnergyBand::price_metric(const Column& column, bool more_is_better) {
   const std::optional<EnergyMetric> joules = energy_metric(column.name);
-  BandedMetric out{column.name, most, {}, {}, {}, {}, {}};
+  BandedMetric out{column.name, more_is_better, {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const std::optional<sweep::Magnitude> number = amount_of(column.values[rows_[i]]);
+    const std::optional<sweep::Magnitude> number = magnitude_of(column.values[rows_[i]]);
     if (!number) continue;
     out.rows.push_back(rows_[i]);
     out.nominal.push_back(number->value);
@@ -191,7 +191,7 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
       return values;
     };
     const std::vector<double> low = values_at(0), high = values_at(1);
-    bars.push_back({entry, low[second] / low[first], high[second] / high[first], share_of_turned_pairs(low, high),
+    bars.push_back({entry, low[second] / low[first], high[second] / high[first], share_of_reordered_pairs(low, high),
                     best_of(m, low), best_of(m, high)});
   }
   std::erase_if(bars, [](const Bar& bar) { return bar.at_low == bar.at_high && bar.turned == 0; });

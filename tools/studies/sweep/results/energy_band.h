@@ -11,13 +11,13 @@ namespace tools::results {
 /// A figure of the points of a sweep under nominal energy tables and under each draw of them.
 struct BandedMetric {
   std::string name;
-  bool most = false;  ///< more is better
+  bool more_is_better = false;
   std::vector<std::size_t> rows;
   std::vector<double> nominal;             ///< by point
   std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to `nominal` for a figure without energy
   std::vector<double> at_low, at_high;     ///< values by point under the low and the high tables
 
-  bool is_better(double a, double b) const { return most ? a > b : a < b; }
+  bool is_better(double a, double b) const { return more_is_better ? a > b : a < b; }
   /// Returns the ratio of two points under the low, nominal and high tables: "0.981 / 0.975 / 0.969".
   std::string ratio_text(std::size_t point, std::size_t other) const;
   /// Orders the points from best to worst under nominal tables, as indices of `rows`.
@@ -27,10 +27,10 @@ struct BandedMetric {
 /// Prices points of a sweep under draws of all entries of their energy tables. Entries of one name are drawn together.
 class EnergyBand {
  public:
-  /// Prices the points that `may` selects and that have a report. Throws InputError if a point cannot be priced.
-  EnergyBand(const Results& results, const std::vector<bool>& may);
+  /// Prices the points that `selected` selects and that have a report. Throws InputError if a point cannot be priced.
+  EnergyBand(const Results& results, const std::vector<bool>& selected);
 
-  BandedMetric price_metric(const Column& column, bool most);
+  BandedMetric price_metric(const Column& column, bool more_is_better);
   /// Returns the share of draws in which each point is on the Pareto front of two metrics.
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
   /// Returns a table of the best points by the nominal figure, with the confidence of each rank.

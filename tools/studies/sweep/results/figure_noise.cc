@@ -15,7 +15,7 @@ namespace tools::results {
 namespace {
 
 double number_at(const Column& column, std::size_t row) {
-  const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
+  const std::optional<sweep::Magnitude> number = magnitude_of(column.values[row]);
   return number ? number->value : 0;
 }
 
@@ -82,10 +82,10 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
   range([](const SeenFigure& seen) { return seen.assumed; });
 }
 
-double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool most) const {
+double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool more_is_better) const {
   MeanDifference d = difference_of(seen_[a], seen_[b]);
-  if (!most) d.value = -d.value;
-  return d.chance_above();
+  if (!more_is_better) d.value = -d.value;
+  return d.one_sided_p_value();
 }
 
 std::string interval_text(const FigureNoise& noise, std::size_t row) {
@@ -110,7 +110,7 @@ std::string extrapolated_note(const Results& results, const std::vector<std::siz
   const Column column = results.column(kFigure);
   std::vector<std::int64_t> points;
   for (const std::size_t row : rows) {
-    const auto count = amount_of(column.values[row]);
+    const auto count = magnitude_of(column.values[row]);
     if (count && count->value > 0) points.push_back(results.rows()[row].n);
   }
   if (points.empty()) return {};

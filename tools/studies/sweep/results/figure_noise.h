@@ -33,7 +33,7 @@ class FigureNoise {
   /// Half of the 95 % interval of the value of a point.
   double half_width(std::size_t row) const { return seen_[row].half_width(); }
   /// p-value of `b` better than `a` under the null hypothesis that it is not.
-  double p_value_better(std::size_t b, std::size_t a, bool most) const;
+  double p_value_better(std::size_t b, std::size_t a, bool more_is_better) const;
   /// Returns "noise measured by 5 replicates a point" or "a noise of 2 %, assumed ...".
   std::string describe() const;
 

@@ -42,7 +42,7 @@ std::optional<std::size_t> index_of(const std::vector<std::string>& names, std::
 }
 
 /// True if `text` is the whole of `path`, its end, or a group of keys in it.
-bool occurs_in(std::string_view text, std::string_view path) {
+bool is_part_of_path(std::string_view text, std::string_view path) {
   const auto is_end = [](char c) { return c == '.' || c == '['; };
   for (std::size_t at = path.find(text); at != std::string_view::npos; at = path.find(text, at + 1)) {
     const std::size_t end = at + text.size();
@@ -61,7 +61,7 @@ std::vector<ReportNumber> read_numbers(const std::filesystem::path& folder) {
 }
 
 /// True if not all values are equal.
-bool has_several(const std::vector<Value>& values) {
+bool has_different_values(const std::vector<Value>& values) {
   return std::ranges::any_of(values, [&](const Value& value) { return value != values.front(); });
 }
 
@@ -138,7 +138,7 @@ Value to_value(const SQLite::Column& column) {
   return column.getString();
 }
 
-PointStatus status_named(std::string_view name) {
+PointStatus parse_status(std::string_view name) {
   for (const PointStatus status : {PointStatus::kDone, PointStatus::kFailed, PointStatus::kMissing}) {
     if (name_of(status) == name) return status;
   }
@@ -151,7 +151,7 @@ Results::Results(const fs::path& sweep) : file_(sweep / "index.sqlite"), index_(
     SQLite::Statement row(*index_, "SELECT n, id, status FROM points ORDER BY n");
     while (row.executeStep()) {
       rows_.push_back(
-          {row.getColumn(0).getInt64(), row.getColumn(1).getString(), status_named(row.getColumn(2).getString())});
+          {row.getColumn(0).getInt64(), row.getColumn(1).getString(), parse_status(row.getColumn(2).getString())});
     }
     axes_ = read_texts(*index_, "SELECT name FROM axes ORDER BY axis");
     metrics_ = read_texts(*index_, "SELECT path FROM metric_names ORDER BY metric");
@@ -185,7 +185,7 @@ Column Results::column(std::string_view text) const {
   names.insert(names.end(), metrics_.begin(), metrics_.end());
   std::string name(text);
   if (!index_of(axes_, text)) {
-    if (std::ranges::none_of(names, [&](const std::string& path) { return occurs_in(text, path); })) {
+    if (std::ranges::none_of(names, [&](const std::string& path) { return is_part_of_path(text, path); })) {
       return read_from_reports(text);
     }
     name = resolve_report_path(text, names);
@@ -202,7 +202,7 @@ bool Results::has_metric(std::string_view path) const { return index_of(metrics_
 std::vector<Column> Results::varying_axes() const {
   std::vector<Column> columns;
   for (const std::string& name : axes_) {
-    if (Column c = column(name); has_several(c.values)) columns.push_back(std::move(c));
+    if (Column c = column(name); has_different_values(c.values)) columns.push_back(std::move(c));
   }
   return columns;
 }
@@ -221,7 +221,7 @@ Column Results::read_from_reports(std::string_view text) const {
     const bool is_first = paths.size() == axes_.size();
     for (const ReportNumber& number : read_numbers(folder_of(rows_[i]))) {
       if (is_first) paths.push_back(number.path);
-      if (!occurs_in(text, number.path)) continue;
+      if (!is_part_of_path(text, number.path)) continue;
       std::vector<Value>& values = found[number.path];
       values.resize(rows_.size());
       values[i] = number.value;
@@ -453,7 +453,7 @@ std::vector<std::string> usual_columns(const Results& results, bool csv) {
 }
 
 /// Replaces values by "771200 ± 0.52 %" if all points that are done have replicates of the figure.
-Column with_interval(const Results& results, Column column) {
+Column add_intervals(const Results& results, Column column) {
   if (!results.has_metric("totals.replicates.count")) return column;
   std::vector<std::size_t> done;
   for (std::size_t row = 0; row < results.rows().size(); ++row) {
@@ -480,7 +480,7 @@ void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std
   std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) {
     const Value &x = column.values[a], &y = column.values[b];
     if (is_absent(x) || is_absent(y)) return !is_absent(x) && is_absent(y);
-    return order == "asc" ? is_before(x, y) : is_before(y, x);
+    return order == "asc" ? sorts_before(x, y) : sorts_before(y, x);
   });
 }
 
@@ -518,7 +518,7 @@ std::string results_table(const Results& results, const TableOptions& options) {
   std::vector<Column> columns;
   for (const std::string& name : asked) {
     columns.push_back(results.column(name));
-    if (!options.csv) columns.back() = with_interval(results, std::move(columns.back()));
+    if (!options.csv) columns.back() = add_intervals(results, std::move(columns.back()));
     names.push_back(options.csv ? columns.back().name : shown_name(columns.back()));
   }
   const std::vector<bool> met = rows_meeting(results, options.where);

@@ -20,11 +20,11 @@ class Database;
 
 namespace tools::results {
 
-using sweep::amount_of;
 using sweep::exact_text;
 using sweep::is_absent;
-using sweep::is_before;
+using sweep::magnitude_of;
 using sweep::PointStatus;
+using sweep::sorts_before;
 using sweep::Value;
 
 /// Number of points by status.
@@ -40,7 +40,7 @@ std::unique_ptr<SQLite::Database> open_index(const std::filesystem::path& file);
 /// Reads the table `sweep` of an index: the store and the hash of the inputs.
 std::map<std::string, std::string> read_facts(const SQLite::Database& index);
 Value to_value(const SQLite::Column& column);
-PointStatus status_named(std::string_view name);
+PointStatus parse_status(std::string_view name);
 
 /// A point in the index.
 struct Row {

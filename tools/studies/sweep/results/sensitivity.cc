@@ -38,7 +38,7 @@ struct Factors {
 constexpr std::size_t kMostGroups = 6;
 
 struct ValueOrder {
-  bool operator()(const Value& a, const Value& b) const { return is_before(a, b); }
+  bool operator()(const Value& a, const Value& b) const { return sorts_before(a, b); }
 };
 
 Factor factor_of(const Column& column, const std::vector<std::size_t>& rows) {
@@ -240,11 +240,13 @@ std::string sensitivity_table(const Sensitivity& s) {
   return out + "\n" + table.text();
 }
 
-/// Returns the rows that `may` selects and that have a number in the column. Throws InputError if there is no such row.
-std::vector<std::size_t> rows_with_numbers(const Results& results, const Column& column, const std::vector<bool>& may) {
+/// Returns the rows that `selected` selects and that have a number in the column. Throws InputError if there is no such
+/// row.
+std::vector<std::size_t> rows_with_numbers(const Results& results, const Column& column,
+                                           const std::vector<bool>& selected) {
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && results.rows()[row].is_done() && amount_of(column.values[row])) rows.push_back(row);
+  for (std::size_t row = 0; row < selected.size(); ++row) {
+    if (selected[row] && results.rows()[row].is_done() && magnitude_of(column.values[row])) rows.push_back(row);
   }
   if (!rows.empty()) return rows;
   const std::string missing = results.missing_text();
@@ -311,14 +313,14 @@ void find_intervals(const Factors& factors, const std::vector<double>& values, c
 
 /// Tornado tables of all metrics that contain energy.
 std::string tornado_tables(const Results& results, const std::vector<std::string>& metrics,
-                           const std::vector<bool>& may) {
-  EnergyBand band(results, may);
+                           const std::vector<bool>& selected) {
+  EnergyBand band(results, selected);
   std::string out;
   for (const std::string& metric : metrics) {
     const Objective objective(results, metric);
     if (!energy_metric(objective.column.name)) continue;
-    const FigureNoise noise(results, objective.column, rows_with_numbers(results, objective.column, may));
-    out += "\n" + band.tornado_text(results, band.price_metric(noise.means(), objective.most));
+    const FigureNoise noise(results, objective.column, rows_with_numbers(results, objective.column, selected));
+    out += "\n" + band.tornado_text(results, band.price_metric(noise.means(), objective.more_is_better));
   }
   if (out.empty()) {
     throw sim::InputError(
@@ -337,13 +339,13 @@ double Sensitivity::share_of_interactions() const {
 
 std::string Effect::interval_text() const { return fmt::format("{:.1f} .. {:.1f} %", 100 * low, 100 * high); }
 
-Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may) {
+Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected) {
   const Column column = results.column(metric);
-  const std::vector<std::size_t> rows = rows_with_numbers(results, column, may);
+  const std::vector<std::size_t> rows = rows_with_numbers(results, column, selected);
   const FigureNoise noise(results, column, rows);
   std::vector<double> values, variances;
   for (const std::size_t row : rows) {
-    values.push_back(amount_of(noise.means().values[row])->value);
+    values.push_back(magnitude_of(noise.means().values[row])->value);
     variances.push_back(noise.error(row) * noise.error(row));
   }
   const Factors factors = find_factors(results, rows);
@@ -380,16 +382,16 @@ std::string sensitivity_text(const Results& results, std::vector<std::string> me
       if (results.has_metric(path)) metrics.emplace_back(path);
     }
   }
-  const std::vector<bool> may = rows_meeting(results, where);
+  const std::vector<bool> selected = rows_meeting(results, where);
   std::string out;
   for (const std::string& metric : metrics) {
     if (!out.empty()) out += '\n';
-    out += sensitivity_table(find_sensitivity(results, metric, may));
+    out += sensitivity_table(find_sensitivity(results, metric, selected));
   }
-  if (band && !metrics.empty()) out += tornado_tables(results, metrics, may);
+  if (band && !metrics.empty()) out += tornado_tables(results, metrics, selected);
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && results.rows()[row].is_done()) rows.push_back(row);
+  for (std::size_t row = 0; row < selected.size(); ++row) {
+    if (selected[row] && results.rows()[row].is_done()) rows.push_back(row);
   }
   out += extrapolated_note(results, rows);
   const std::string missing = results.missing_text();

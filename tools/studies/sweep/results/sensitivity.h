@@ -40,7 +40,7 @@ struct Sensitivity {
 /// 2. Otherwise: an additive model by least squares; values that hardly any two points share are joined in groups, and
 ///    the share that chance explains is subtracted.
 /// 3. Noise of the points is subtracted; intervals are those of a parametric bootstrap.
-Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
+Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected);
 
 /// Returns the sensitivity tables. `metrics`: empty for the usual metrics. `band`: also lists the entries of the energy
 /// tables that decide the ranking.

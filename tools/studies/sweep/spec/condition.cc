@@ -67,7 +67,7 @@ class ConditionReader {
     const std::size_t unit = at_;
     while (!at_end() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
     const std::string with_unit = fmt::format("{} {}", word, text_.substr(unit, at_ - unit));
-    if (at_ > unit && unit > end && magnitude_of(with_unit)) {
+    if (at_ > unit && unit > end && parse_magnitude(with_unit)) {
       skip_blanks();
       return with_unit;
     }
@@ -83,7 +83,7 @@ class ConditionReader {
     if (word == "and") return skip_blanks();
     at_ = begin;
     if (word == "or") fail("'or' is not known: each --where, and each part joined by and, must hold");
-    if (!word.empty() && magnitude_of(value)) {
+    if (!word.empty() && parse_magnitude(value)) {
       fail(
           fmt::format("'{}' after '{}' is no unit of frequency, time or bytes; other figures are compared without "
                       "one, in the unit that their name ends with",
@@ -164,7 +164,7 @@ std::vector<ConditionTerm> parse_condition(const std::string& text) {
   return terms;
 }
 
-std::optional<Magnitude> magnitude_of(std::string_view text) {
+std::optional<Magnitude> parse_magnitude(std::string_view text) {
   double number = 0;
   const auto [end, bad] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (bad == std::errc{} && end == text.data() + text.size()) return Magnitude{Magnitude::Kind::kNumber, number};
@@ -187,9 +187,9 @@ std::string exact_text(const Value& value) {
   return {};
 }
 
-std::optional<Magnitude> amount_of(const Value& value) {
+std::optional<Magnitude> magnitude_of(const Value& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
-    const std::optional<Magnitude> amount = magnitude_of(*text);
+    const std::optional<Magnitude> amount = parse_magnitude(*text);
     return amount && std::isfinite(amount->value) ? amount : std::nullopt;
   }
   if (const auto* whole = std::get_if<std::int64_t>(&value)) {
@@ -199,9 +199,9 @@ std::optional<Magnitude> amount_of(const Value& value) {
   return std::nullopt;
 }
 
-bool is_before(const Value& a, const Value& b) {
+bool sorts_before(const Value& a, const Value& b) {
   const auto key = [](const Value& value) {
-    const std::optional<Magnitude> number = amount_of(value);
+    const std::optional<Magnitude> number = magnitude_of(value);
     const int group = number ? 0 : is_absent(value) ? 2 : 1;
     return std::tuple(group, number ? number->value : 0, number ? std::string() : exact_text(value));
   };

@@ -16,7 +16,7 @@ struct Magnitude {
   double value = 0;  ///< value in base units: hertz, bytes, femtoseconds
 };
 /// Reads "2", "8 KiB", "500 MHz"; nothing for any other text.
-std::optional<Magnitude> magnitude_of(std::string_view text);
+std::optional<Magnitude> parse_magnitude(std::string_view text);
 
 /// A value of an axis or a figure: absent, a whole number, a real number or a text.
 using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
@@ -25,9 +25,9 @@ inline bool is_absent(const Value& value) { return std::holds_alternative<std::m
 /// Returns the text, the shortest decimals that read back exactly, or "".
 std::string exact_text(const Value& value);
 /// Returns the magnitude of a number, or of a text that is one and finite.
-std::optional<Magnitude> amount_of(const Value& value);
+std::optional<Magnitude> magnitude_of(const Value& value);
 /// Order of a column: numbers by amount, then texts, then absent values.
-bool is_before(const Value& a, const Value& b);
+bool sorts_before(const Value& a, const Value& b);
 
 // The language of conditions in a sweep's file (`exclude`, `where`) and on the command line (`--where`).
 
@@ -43,8 +43,8 @@ struct Operand {
   std::optional<Magnitude> magnitude;
 
   Operand() = default;
-  explicit Operand(std::string of) : text(std::move(of)), magnitude(magnitude_of(text)) {}
-  explicit Operand(const Value& value) : text(exact_text(value)), magnitude(amount_of(value)) {}
+  explicit Operand(std::string of) : text(std::move(of)), magnitude(parse_magnitude(text)) {}
+  explicit Operand(const Value& value) : text(exact_text(value)), magnitude(magnitude_of(value)) {}
 };
 
 /// Compares two values: numbers by magnitude, all else by text. Nothing for two magnitudes of different kinds, and if

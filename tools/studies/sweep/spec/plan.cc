@@ -34,7 +34,7 @@ std::optional<bool> outcome_of(const Term& term, const Operand& left, std::span<
   return false;
 }
 
-bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice) {
+bool meets_condition(const AxisCondition& condition, std::span<const std::uint32_t> choice) {
   return std::ranges::all_of(condition.terms, [&](const Term& term) {
     const std::uint32_t value = choice[term.left.axis];
     if (!term.right && term.outcomes[value]) return *term.outcomes[value];
@@ -97,12 +97,12 @@ AnyCondition::AnyCondition(std::span<const AxisCondition> conditions, std::span<
   }
 }
 
-bool AnyCondition::any_holds(std::span<const std::uint32_t> choice) const {
-  const auto holds_here = [&](const AxisCondition* condition) { return holds(*condition, choice); };
+bool AnyCondition::meets_any(std::span<const std::uint32_t> choice) const {
+  const auto is_met = [&](const AxisCondition* condition) { return meets_condition(*condition, choice); };
   for (std::size_t axis = 0; axis < by_value_.size(); ++axis) {
-    if (std::ranges::any_of(by_value_[axis][choice[axis]], holds_here)) return true;
+    if (std::ranges::any_of(by_value_[axis][choice[axis]], is_met)) return true;
   }
-  return std::ranges::any_of(others_, holds_here);
+  return std::ranges::any_of(others_, is_met);
 }
 
 namespace {
@@ -196,15 +196,15 @@ namespace {
 constexpr std::size_t kLongestLine = 100'000;  // bytes of a line of points.jsonl
 
 /// Makes the name of a file absolute, relative to the folder of the spec; other names stay.
-std::string from_folder(const std::string& text, const fs::path& folder) {
+std::string resolve_file_name(const std::string& text, const fs::path& folder) {
   const bool is_file = traces::is_scene_file(text) || text.ends_with(".yaml");
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
 /// Makes the name of a scene file absolute, relative to the folder of the spec. Throws InputError for names that
 /// points.jsonl cannot hold.
-std::string scene_from(const std::string& value, const fs::path& folder) {
-  std::string scene = from_folder(value, folder);
+std::string resolve_scene_name(const std::string& value, const fs::path& folder) {
+  std::string scene = resolve_file_name(value, folder);
   if (sim::with_escaped_bytes(scene) == scene) return scene;
   throw sim::InputError(sim::printable(scene) +
                         ": the name is no UTF-8, which the files of a sweep are; allowed: another");
@@ -214,7 +214,7 @@ void set_work(Point& point, const std::string& key, const std::string& value, co
   if (value.empty()) return;
   const auto* const text =
       std::ranges::find(kPointTexts, key, [](const PointText& t) { return std::string_view(t.name); });
-  point.*text->member = key == "scene" ? scene_from(value, folder) : value;
+  point.*text->member = key == "scene" ? resolve_scene_name(value, folder) : value;
 }
 
 /// Checks one setting "key=value" on the base configuration; throws the InputError that a run would report.
@@ -308,7 +308,7 @@ bool may_be_long(const Point& point) {
 /// Makes the point of a combination, without its keys.
 Point unkeyed_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
   Point point;
-  point.config = from_folder(spec.config, folder);
+  point.config = resolve_file_name(spec.config, folder);
   point.reference = spec.reference;
   point.image = spec.image;
   point.replicates = spec.replicates;
@@ -340,11 +340,11 @@ Point unkeyed_point(const Spec& spec, const fs::path& folder, const Choice& choi
 
 Planner::Planner(Spec spec, const fs::path& folder)
     : spec_(std::move(spec)), folder_(folder.empty() ? fs::path(".") : folder) {
-  const std::string config = from_folder(spec_.config, folder_);
+  const std::string config = resolve_file_name(spec_.config, folder_);
   at_key(spec_, "config", [&] { load_base_config(config, ""); });
   RunConfig base;
   at_key(spec_, "scene", [&] {
-    const std::string scene = from_folder(spec_.scene, folder_);
+    const std::string scene = resolve_file_name(spec_.scene, folder_);
     if (!scene.empty()) check_scene(scene);
     base = load_base_config(config, scene);
   });
@@ -365,8 +365,8 @@ std::vector<std::uint32_t> Planner::axis_sizes() const {
 }
 
 bool Planner::is_wanted(const Choice& choice) const {
-  const auto holds_here = [&](const AxisCondition& condition) { return holds(condition, choice); };
-  return std::ranges::all_of(spec_.where, holds_here) && !excluded_.any_holds(choice);
+  const auto is_met = [&](const AxisCondition& condition) { return meets_condition(condition, choice); };
+  return std::ranges::all_of(spec_.where, is_met) && !excluded_.meets_any(choice);
 }
 
 Point Planner::make_point(const Choice& choice) { return make_point(choice, spec_.tile_sampling); }
@@ -379,7 +379,7 @@ Point Planner::make_point(const Choice& choice, const std::string& tile_sampling
     point.slices = 0;
   }
   at_key(spec_, "scene", [&] { keys_.set_key(point); });
-  if (may_be_long(point) && to_line(point).size() > kLongestLine) {
+  if (may_be_long(point) && format_point_line(point).size() > kLongestLine) {
     throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
   }
   return point;

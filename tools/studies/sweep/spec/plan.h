@@ -11,14 +11,14 @@
 namespace tools::sweep {
 
 /// True if the combination meets the condition. Throws InputError if two compared values have no order.
-bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice);
+bool meets_condition(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
 /// Tests whether any of many conditions holds. Conditions are indexed by the term that holds for the fewest values, so
 /// that most are never evaluated: a small file can have thousands. Refers to the conditions.
 class AnyCondition {
  public:
   AnyCondition(std::span<const AxisCondition> conditions, std::span<const Axis> axes);
-  bool any_holds(std::span<const std::uint32_t> choice) const;
+  bool meets_any(std::span<const std::uint32_t> choice) const;
 
  private:
   /// Conditions by axis and value of a term that must hold.

@@ -47,12 +47,12 @@ std::vector<Point> slices_of(const Point& point) {
     slices.push_back(point);
     slices.back().slice = slice;
     slices.back().whole = point.id;
-    slices.back().id = sim::sha256_hex(sim::json_line(made_of(slices.back())));
+    slices.back().id = sim::sha256_hex(sim::json_line(slice_identity(slices.back())));
   }
   return slices;
 }
 
-Point whole_of(const Point& slice) {
+Point whole_point_of(const Point& slice) {
   Point whole = slice;
   whole.id = slice.whole;
   whole.slice = 0;
@@ -60,11 +60,11 @@ Point whole_of(const Point& slice) {
   return whole;
 }
 
-Json made_of(const Point& slice) {
+Json slice_identity(const Point& slice) {
   return {{"schema", "raywatt-slice/1"}, {"whole", slice.whole}, {"slice", slice.slice}, {"slices", slice.slices}};
 }
 
-std::string to_line(const Point& point) {
+std::string format_point_line(const Point& point) {
   Json json = {{"n", point.n}, {"id", point.id}, {"axes", Json::object()}, {"config", point.config}};
   for (const auto& [name, value] : point.axes) json["axes"][name] = value;
   for (const PointText& t : kPointTexts) {
@@ -88,7 +88,7 @@ bool is_key(const std::string& text) {
 
 }  // namespace
 
-Point read_line(const std::string& line, const std::string& where) {
+Point parse_point_line(const std::string& line, const std::string& where) {
   try {
     if (sim::is_nested_deeper(line, sim::kDeepestJson)) throw sim::InputError(where + ": is nested too deeply");
     const Json json = sim::parse_json(line);
@@ -197,7 +197,7 @@ void PointKeys::set_key(Point& point) {
     point.error = error.what();
     point.id.clear();
     const std::uint64_t n = std::exchange(point.n, 0);
-    point.id = sim::sha256_hex(to_line(point) + std::string(build_info().model_id));
+    point.id = sim::sha256_hex(format_point_line(point) + std::string(build_info().model_id));
     point.n = n;
     return;
   }

@@ -58,8 +58,8 @@ struct Point {
 
 /// A text member of a point, with its key in the files of a sweep and its option of `raywatt run`.
 struct PointText {
-  const char* name;    ///< in the files of a sweep
-  const char* option;  ///< of `raywatt run`
+  const char* name;    ///< key of the member in the files of a sweep
+  const char* option;  ///< option of `raywatt run`
   std::string Point::*member;
   std::string JobOptions::*job;
 };
@@ -75,14 +75,14 @@ inline constexpr PointText kPointTexts[] = {
 /// Lists the slices of a point in order; none if it is not cut.
 std::vector<Point> slices_of(const Point& point);
 /// Returns the whole point of a slice.
-Point whole_of(const Point& slice);
+Point whole_point_of(const Point& slice);
 /// Returns the JSON whose hash is the id of a slice.
-sim::Json made_of(const Point& slice);
+sim::Json slice_identity(const Point& slice);
 
 /// Convert a point to a line of points.jsonl and back, without the line end. Errors are InputErrors that begin with
 /// `where`.
-std::string to_line(const Point& point);
-Point read_line(const std::string& line, const std::string& where);
+std::string format_point_line(const Point& point);
+Point parse_point_line(const std::string& line, const std::string& where);
 
 /// Digest of scenes that are not files.
 inline constexpr std::string_view kBuiltIn = "built-in";

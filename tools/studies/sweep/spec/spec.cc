@@ -57,7 +57,7 @@ std::uint64_t YamlValue::whole_number(std::uint64_t least, std::uint64_t most) c
   return number;
 }
 
-bool YamlValue::yes_or_no() const {
+bool YamlValue::boolean() const {
   const std::string& word = text();
   if (word == "yes" || word == "true") return true;
   if (word != "no" && word != "false")
@@ -130,7 +130,7 @@ Number read_number(const YamlValue& value) {
 /// Converts a number to another unit; nothing if the units are of different kinds.
 std::optional<Number> convert_unit(const Number& number, const std::string& unit) {
   if (number.unit == unit) return number;
-  const std::optional<Magnitude> one = magnitude_of("1" + number.unit), other = magnitude_of("1" + unit);
+  const std::optional<Magnitude> one = parse_magnitude("1" + number.unit), other = parse_magnitude("1" + unit);
   if (!one || !other || one->kind != other->kind) return std::nullopt;
   return Number{number.value * one->value / other->value, unit};
 }
@@ -490,7 +490,7 @@ bool is_work_key(const std::string& key) {
   return std::ranges::find(kWorkKeys, key) != kWorkKeys.end();
 }
 
-bool moves_workload(const Axis& axis) {
+bool changes_workload(const Axis& axis) {
   const auto is_of_workload = [](const std::string& key) {
     return (is_work_key(key) && key != "program") || key.starts_with("scene.") || key == "render.width" ||
            key == "render.height";
@@ -526,7 +526,7 @@ void check_subset(const Spec& spec) {
   if (spec.subset.kind == Subset::Kind::kGrid) return;
   const Axis *workload = nullptr, *machine = nullptr;
   for (const Axis& axis : spec.axes) {
-    if (axis.values.size() > 1) (moves_workload(axis) ? workload : machine) = &axis;
+    if (axis.values.size() > 1) (changes_workload(axis) ? workload : machine) = &axis;
   }
   if (workload == nullptr || machine == nullptr) return;
   sim::refuse(spec.key_positions.at("subset"), "subset",
@@ -537,16 +537,16 @@ void check_subset(const Spec& spec) {
 
 }  // namespace
 
-Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others) {
+Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> other_keys) {
   check_schema(root, schema);
   std::vector<std::string_view> keys(kSpecKeys.begin(), kSpecKeys.end());
-  keys.insert(keys.end(), others.begin(), others.end());
+  keys.insert(keys.end(), other_keys.begin(), other_keys.end());
   Spec spec;
   std::optional<Axis> workloads, programs;
   std::optional<YamlValue> exclude, where;
   for (const YamlValue& entry : root.entries(keys)) {
     const std::string& key = entry.key();
-    if (std::ranges::find(others, key) != others.end()) continue;
+    if (std::ranges::find(other_keys, key) != other_keys.end()) continue;
     spec.key_positions[key] = entry.where();
     const auto plain = std::ranges::find(kTextKeys, key, &std::pair<std::string_view, std::string Spec::*>::first);
     if (key == "schema") continue;
@@ -569,7 +569,7 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
     } else if (key == "slices") {
       spec.slices = static_cast<std::uint32_t>(entry.whole_number(2, kMostSlices));
     } else if (key == "image") {
-      spec.image = entry.yes_or_no();
+      spec.image = entry.boolean();
     } else if (key == "slurm") {
       spec.slurm = entry.list_of_texts();
     } else if (key == "subset") {

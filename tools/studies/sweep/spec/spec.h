@@ -27,7 +27,7 @@ class YamlValue {
 
   const std::string& text() const;
   std::uint64_t whole_number(std::uint64_t least, std::uint64_t most) const;
-  bool yes_or_no() const;
+  bool boolean() const;
   std::vector<std::string> list_of_texts() const;
   std::vector<YamlValue> items() const;    ///< elements of a list
   std::vector<YamlValue> entries() const;  ///< entries of a mapping
@@ -70,7 +70,7 @@ using Choice = std::vector<std::uint32_t>;
 /// True for axis keys that are not keys of the configuration: scene, camera, frames, resolution, program.
 bool is_work_key(const std::string& key);
 /// True if the axis changes what is rendered: scene, camera, frames or resolution.
-bool moves_workload(const Axis& axis);
+bool changes_workload(const Axis& axis);
 
 /// A condition on a combination of axis values. It holds if all its terms hold.
 struct AxisCondition {
@@ -121,7 +121,7 @@ struct Spec {
 
 /// Reads a sweep's file. Throws InputError of one line: file, line, column, key, what is wrong, what is allowed.
 Spec read_spec(const std::filesystem::path& file);
-/// Reads the part of another kind of file that describes a sweep. `others`: keys that the caller reads.
-Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others);
+/// Reads the part of another kind of file that describes a sweep. `other_keys`: keys that the caller reads.
+Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> other_keys);
 
 }  // namespace tools::sweep

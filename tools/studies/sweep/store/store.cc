@@ -243,7 +243,7 @@ bool is_stale(const fs::directory_entry& entry) {
 }
 
 /// True for an entry that a run may have left in a new folder when it was killed at its start.
-bool is_of_begun_run(const fs::directory_entry& entry) {
+bool is_left_by_killed_start(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
   return name == "lock" || name == "log" || is_stale(entry);
 }
@@ -308,7 +308,7 @@ void check_contents(const fs::path& path, std::string_view of) {
   }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-    if (!is_of_begun_run(entry)) {
+    if (!is_left_by_killed_start(entry)) {
       throw sim::InputError(shown + ": holds files but no sweep; choose another folder");
     }
   }
@@ -328,16 +328,17 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   return folder;
 }
 
-std::optional<sim::FileLock> SweepFolder::try_claim(const fs::path& path, Of of) {
-  check_contents(path, kOf[static_cast<std::size_t>(of)]);
+std::optional<sim::FileLock> SweepFolder::try_claim(const fs::path& path, FolderKind kind) {
+  check_contents(path, kOf[static_cast<std::size_t>(kind)]);
   check_name(fs::absolute(path));
   make_named_folder(path);
   return sim::FileLock::try_acquire(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
 }
 
-SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& spec, const std::vector<Point>& points,
-                                const fs::path& store, const std::vector<std::string>& slurm) {
-  const std::string_view what = kOf[static_cast<std::size_t>(of)];
+SweepFolder SweepFolder::create(const fs::path& path, FolderKind kind, const std::string& spec,
+                                const std::vector<Point>& points, const fs::path& store,
+                                const std::vector<std::string>& slurm) {
+  const std::string_view what = kOf[static_cast<std::size_t>(kind)];
   SweepFolder folder(fs::absolute(path).lexically_normal());
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
@@ -358,7 +359,7 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
                                         {"slurm", slurm}}));
   replace("sweep.yaml", spec);
   std::string lines;
-  for (const Point& point : points) lines += to_line(point) + "\n";
+  for (const Point& point : points) lines += format_point_line(point) + "\n";
   replace("points.jsonl", lines);
   return folder;
 }
@@ -370,7 +371,7 @@ std::vector<Point> SweepFolder::read_points() const {
   std::istringstream lines(sim::read_file(file, kMostFolderBytes));
   std::vector<Point> points;
   for (std::string line; std::getline(lines, line);) {
-    points.push_back(read_line(line, fmt::format("{}:{}", sim::printable(file.string()), points.size() + 1)));
+    points.push_back(parse_point_line(line, fmt::format("{}:{}", sim::printable(file.string()), points.size() + 1)));
     if (points.back().n != points.size() - 1) {
       throw sim::InputError(fmt::format("{}:{}: is point {}, not {}", sim::printable(file.string()), points.size(),
                                         points.back().n, points.size() - 1));

@@ -92,16 +92,16 @@ std::string host_name();
 ///   log/           output of workers; runs.jsonl: time, duration, points and utilisation of each run
 class SweepFolder {
  public:
-  enum class Of : std::uint8_t { kSweep, kSearch };
+  enum class FolderKind : std::uint8_t { kSweep, kSearch };
 
   /// Opens the folder of a sweep or a search. Throws InputError if it is none.
   static SweepFolder open(const std::filesystem::path& path);
   /// Creates the folder if it is missing and locks it; nothing if another process holds it. Throws InputError for a
   /// folder with other contents.
-  static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, Of of);
   /// Writes the files of a sweep or a search into a folder that the caller has locked with try_claim(); replaces former
   /// files.
-  static SweepFolder create(const std::filesystem::path& path, Of of, const std::string& spec,
+  static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
+  static SweepFolder create(const std::filesystem::path& path, FolderKind kind, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
 

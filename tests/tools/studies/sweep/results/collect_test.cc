@@ -143,7 +143,7 @@ TEST(Collect, TheTableHoldsEveryPlainFigureOfTheTotalsAndNothingOfTheHost) {
     }
     const tools::results::Value is = results.column(path).values.at(0);
     if (value.is_number()) {
-      EXPECT_EQ(tools::results::amount_of(is)->value, value.get<double>()) << path;
+      EXPECT_EQ(tools::results::magnitude_of(is)->value, value.get<double>()) << path;
     } else {
       EXPECT_EQ(tools::results::exact_text(is), value.is_string() ? value.get<std::string>() : value.dump()) << path;
     }
@@ -237,7 +237,7 @@ TEST(Collect, ADamagedIndexIsMadeAnew) {
 TEST(Collect, AListThatIsNoneIsRefusedWithItsLine) {
   MadeSweep sweep;
   sweep.add({});
-  const std::string sound = to_line(sweep.points()[0]) + "\n";
+  const std::string sound = format_point_line(sweep.points()[0]) + "\n";
   const auto other = [&](const std::string& part, const std::string& instead) {
     std::string line = sound;
     return line.replace(line.find(part), part.size(), instead);

@@ -58,7 +58,7 @@ TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
   const tools::results::Column low = results.column("energy_mj.low"), nominal = results.column("energy_mj.nominal"),
                                high = results.column("energy_mj.high");
   const auto ratio = [&](const tools::results::Column& mj) {  // frames per joule: the other way round
-    return amount_of(mj.values[per_joule.rows[0]])->value / amount_of(mj.values[per_joule.rows[2]])->value;
+    return magnitude_of(mj.values[per_joule.rows[0]])->value / magnitude_of(mj.values[per_joule.rows[2]])->value;
   };
   EXPECT_EQ(per_joule.ratio_text(2, 0),
             fmt::format("{:.3f} / {:.3f} / {:.3f}", ratio(low), ratio(nominal), ratio(high)));

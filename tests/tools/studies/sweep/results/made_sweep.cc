@@ -89,8 +89,8 @@ void MadeSweep::damage(std::size_t n, const std::string& report) const {
 void MadeSweep::remove(std::size_t n) const { fs::remove_all(point(n)); }
 
 tools::sweep::SweepFolder MadeSweep::write() const {
-  return tools::sweep::SweepFolder::create(folder(), tools::sweep::SweepFolder::Of::kSweep, "", points_, store().root(),
-                                           {});
+  return tools::sweep::SweepFolder::create(folder(), tools::sweep::SweepFolder::FolderKind::kSweep, "", points_,
+                                           store().root(), {});
 }
 
 tools::results::Collected MadeSweep::collect() const { return tools::results::collect_results(write()); }

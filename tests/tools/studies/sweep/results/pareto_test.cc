@@ -47,11 +47,11 @@ TEST(Pareto, HoldsWhatNoOtherPointBeats) {
 TEST(Pareto, KnowsWhichWayAFigureIsBetterUnlessToldOtherwise) {
   const Plane sweep({{1, 10}, {2, 20}});
   const Results results = sweep.results();
-  EXPECT_FALSE(Objective(results, "power_w.nominal").most);
-  EXPECT_FALSE(Objective(results, "cycles").most);
-  EXPECT_FALSE(Objective(results, "cores").most);
-  EXPECT_TRUE(Objective(results, "fps").most);
-  EXPECT_TRUE(Objective(results, "frames_per_joule_gpu").most);
+  EXPECT_FALSE(Objective(results, "power_w.nominal").more_is_better);
+  EXPECT_FALSE(Objective(results, "cycles").more_is_better);
+  EXPECT_FALSE(Objective(results, "cores").more_is_better);
+  EXPECT_TRUE(Objective(results, "fps").more_is_better);
+  EXPECT_TRUE(Objective(results, "frames_per_joule_gpu").more_is_better);
   EXPECT_EQ(front_of(results, "max:power_w.nominal", "fps").rows, (Rows{1}));
   EXPECT_EQ(front_of(results, "power_w.nominal", "min:fps").rows, (Rows{0}));
 }
