@@ -92,7 +92,7 @@ class Counting final : public hw::TileSource {
     if (handed_ == warm_up_) count_.start();
     count_.group(kFunction);
     const traces::TileWork* work = take();
-    if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+    if (trace_ != nullptr && work != nullptr) trace_->add_tile(*work);
     count_.group(kTiming);
     handed_ += 1;
     if (handed_ == warm_up_) rays_before_ = rays();
