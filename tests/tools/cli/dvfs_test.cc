@@ -1,5 +1,6 @@
 #include "tools/studies/dvfs/dvfs.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -52,8 +53,8 @@ TEST(Dvfs, PointAtTheNominalClocksIsTheRun) {
   const TempFolder folder;
   const Json curve =
       Json::parse(ending_well({"dvfs", "--resolution", "64x64", "--factors", "1,0.5", "--json", "--threads", "2"}).out);
-  ending_well({"run", "--resolution", "64x64", "--set", "frame.start=warm", "-o", (folder.path() / "one").string(),
-               "--quiet"});
+  ending_well(
+      {"run", "--resolution", "64x64", "--set", "frame.start=warm", "-o", (folder.path() / "one").string(), "--quiet"});
   const Json run = read_json(folder.path() / "one" / "report.json");
   ASSERT_EQ(curve["points"].size(), 2U);
   EXPECT_EQ(curve["points"][0]["factor"], 0.5);
@@ -69,6 +70,29 @@ TEST(Dvfs, HasItsLeastEnergyInsideTheRangeForAFrameThatTheUnitsBound) {
   EXPECT_GT(least, 0U);
   EXPECT_LT(least, last);
   EXPECT_EQ(curve["race_to_idle"], last);
+}
+
+TEST(Dvfs, AtARateFindsWhatABruteForceSearchFinds) {
+  std::string factors = "0.3";
+  for (int percent = 32; percent <= 120; percent += 2) factors += fmt::format(",{}", percent / 100.0);
+  const auto curve_of = [&](const char* fps, bool all) {
+    Words words = {"dvfs", "sgrt-balanced", "--resolution", "128x64", "--json", "--threads", "2", "--fps", fps};
+    if (all) words.insert(words.end(), {"--factors", factors});
+    return Json::parse(ending_well(words).out);
+  };
+  const auto point_of = [](const Json& curve, const char* which) {
+    return curve["points"][curve[which].get<std::size_t>()];
+  };
+  const Json least = point_of(curve_of("500", false), "least_a_period"),
+             true_least = point_of(curve_of("500", true), "least_a_period");
+  EXPECT_GT(least["factor"], 0.3);
+  EXPECT_LT(least["factor"], 1.2);
+  EXPECT_NEAR(least["period_mj"].get<double>(), true_least["period_mj"].get<double>(),
+              0.01 * true_least["period_mj"].get<double>());
+  const Json slowest = point_of(curve_of("1500", false), "slowest_met");
+  EXPECT_LE(slowest["time_ms"].get<double>(), 1000.0 / 1500);
+  EXPECT_NEAR(slowest["factor"].get<double>(), point_of(curve_of("1500", true), "slowest_met")["factor"].get<double>(),
+              0.03);
 }
 
 TEST(Dvfs, RefusesDomainsThatThereAreNot) {

@@ -134,6 +134,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   DvfsCurve curve;
   curve.warnings = inputs.warnings;
+  if (progress != nullptr) progress->expect_parts(static_cast<std::uint32_t>(factors.size()) + 1);
   ClockScan scan(inputs, options, progress);
   scan.add_points(factors, curve);
   double slowest = 0;

@@ -39,8 +39,9 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
   }
   const kernels::ProgramSpec program = kernels::parse_program(options.job.program);
   for_each_frame(inputs, options.job.threads, progress, [&] {
-    const std::vector<FrameResult> played =
-        RecordedFrame(inputs, program, "sustain", options.job.threads, progress).simulate(configs);
+    if (progress != nullptr) progress->expect_parts(static_cast<std::uint32_t>(configs.size()) + 1);
+    const RecordedFrame frame(inputs, program, "sustain", options.job.threads, progress);
+    const std::vector<FrameResult> played = frame.simulate(configs);
     for (std::size_t i = 0; i < played.size(); ++i) {
       study.steps[i].frames.push_back(sustain_frame(played[i].energy, played[i].elapsed));
     }

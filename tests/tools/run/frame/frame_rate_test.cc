@@ -143,11 +143,11 @@ TEST(OperatingPoints, HaveTheLeastPowerOfAFineSearch) {
   EXPECT_LT(rate.best->factor, 1);
   double least = 1e9;
   for (double factor = rate.slowest->factor; factor <= 1; factor += 0.005) {
-    const auto clock = [&](const char* name, double mhz) {
-      return fmt::format("clocks.{}={} MHz", name, mhz * factor);
+    const auto clock = [&](const char* name, double hz) {
+      return fmt::format("clocks.{}={:.0f} Hz", name, hz * factor);
     };
     const RunConfig config =
-        config_with({clock("tni", 500), clock("srp", 1000), clock("l2", 500), "power.voltage=dvfs"});
+        config_with({clock("tni", 500e6), clock("srp", 1e9), clock("l2", 500e6), "power.voltage=dvfs"});
     const sim::PowerScale scale = power_scales(config).at("tni");
     const double ms = 6 / factor, joules = 0.01 * scale.dynamic + 0.006 * scale.leakage / factor;
     const double idle_w = idle_power_mw(config, idle_units(*config.gpu)).nominal / 1000;

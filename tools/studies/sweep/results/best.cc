@@ -214,8 +214,9 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
   std::string out =
-      fmt::format("best of {} points{}: {}{}\n\n", candidates.size(), options.where.empty() ? "" : " that meet --where",
-                  results.rows()[*best].n, equal == 0 ? "" : fmt::format(" (and {} more with the same value)", equal));
+      fmt::format("{} {} of {} points{}: point {}{}\n\n", options.more_is_better ? "most" : "least", shown_name(metric),
+                  candidates.size(), options.where.empty() ? "" : " that meet --where", results.rows()[*best].n,
+                  equal == 0 ? "" : fmt::format(" (and {} more with the same value)", equal));
   Lines lines = figure_lines(results, metric, options, *best);
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];

@@ -28,9 +28,11 @@ std::string best(const MadeSweep& sweep, const tools::results::BestOptions& opti
 
 TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
   const FourSizes sweep;
-  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "best of 4 points: 0\n");
-  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "best of 4 points: 1 (and 1 more with the same value)\n");
-  EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "best of 2 points that meet --where: 1\n");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most cycles of 4 points: point 0\n");
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}),
+              "least cycles of 4 points: point 1 (and 1 more with the same value)\n");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}),
+              "most cycles of 2 points that meet --where: point 1 (and 1 more with the same value)\n");
 }
 
 /// A report of a picture of 1024x512 with three plays.
