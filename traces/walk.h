@@ -70,7 +70,7 @@ struct WalkSteps {
   }
 };
 
-/// Counts the traversal steps in concatenated walks.
+/// Counts the traversal steps in `words`: the words of one walk, or of several walks one after the other.
 inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
   WalkSteps steps;
   for (std::size_t i = 0; i < words.size(); ++i) {

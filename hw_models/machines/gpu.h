@@ -94,7 +94,8 @@ class Gpu {
   void stop_early() { stopped_ = true; }
   bool is_stopped() const { return stopped_; }
 
-  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher, while the GPU runs.
+  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher. For progress, while the GPU still
+  /// runs.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
   /// Returns the counters of all units, in a fixed order.

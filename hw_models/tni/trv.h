@@ -18,7 +18,7 @@
 
 namespace hw {
 
-/// Features of a traversal unit that every tick tests.
+/// Features of a traversal unit. Every tick of the unit tests them.
 struct TrvFeatures {
   bool instances = false;   ///< the scene has instances
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point

@@ -41,7 +41,8 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Material classes whose light must be added before or between a surface's lights, or that change its base colour.
+/// Material classes that delay the lighting of a surface: their kernels change its base colour, or add or remove light
+/// before or between the scene's lights.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 

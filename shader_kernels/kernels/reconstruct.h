@@ -487,8 +487,8 @@ struct AverageContrasts {
   }
 };
 
-/// Clamps a shaded sample's colour before its layers are filtered one by one: first that of its surface, then the
-/// mirrored and refracted ones. The clamped layers sum to the clamped colour.
+/// Clamps the layers of a shaded sample's colour so that they sum to the clamped colour. The surface's own layer is
+/// clamped to 1, then the mirrored and the refracted layer to what is left. The layers are filtered separately later.
 template <std::uint32_t kBranches>
 struct LimitColours {
   static constexpr std::array<std::string_view, 3> kNames{"limit_colours", "limit_colours_branch",

@@ -52,8 +52,9 @@ F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const
   return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
 }
 
-/// Transforms a tangent from mesh to world space; the result has length 1 or 0. The columns of the inverse matrix are
-/// cross products of its rows over the determinant; only its sign matters.
+/// Transforms a tangent from mesh to world space; the result has length 1 or 0. The instance stores the rows of the
+/// matrix from world to mesh space. The columns of its inverse are cross products of these rows, divided by the
+/// determinant. Of the determinant only the sign matters (`handedness`), because the result is normalised.
 template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +

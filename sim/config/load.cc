@@ -98,8 +98,8 @@ ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
   return field;
 }
 
-/// Returns the part of a --set path that follows the field's own path, without a final "nominal": a single number sets
-/// low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
+/// Returns the part of a --set path that follows the field's own path. A final "nominal" is omitted, because a single
+/// number sets low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
 std::string_view path_after_field(const ConfigNode& node, std::string_view path, const std::string& at) {
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);

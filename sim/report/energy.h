@@ -98,8 +98,9 @@ struct EnergyReport {
 };
 
 /// Computes the energy of each block: sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock
-/// runs in cycles charged to reasons of kind kIdle. All but device events is multiplied by the block's `scales`. Throws
-/// InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
+/// runs in cycles charged to reasons of kind kIdle. The block's factors in `scales` multiply everything except device
+/// events. Throws InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a
+/// part.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});
@@ -133,7 +134,7 @@ class LogicArea {
 /// and the energy be computed again. `config` and `device_events` must outlive the formula and keep their entries.
 class EnergyFormula {
  public:
-  /// Throws InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
+  /// Throws InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a part.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 

@@ -126,8 +126,8 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// Shows the remaining weights of the reconstruction filter: white if all samples count, black if only the pixel's own
-/// samples do.
+/// Shows how much of its weight the reconstruction filter keeps when it excludes samples of other surfaces: white if
+/// all samples count, black if only the pixel's own samples do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);

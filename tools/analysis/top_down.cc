@@ -92,7 +92,7 @@ MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing,
           .blocked_bank = std::min(b.blocked_bank, l2) / latency};
 }
 
-/// Activity of the rays inside a T&I unit, as shares of the time with rays in a TRV.
+/// Activity of the rays inside a T&I unit, as shares of the time in which a TRV holds rays.
 struct TniActivity {
   double boxes = 0, triangles = 0, misses = 0;
 };

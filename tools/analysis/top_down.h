@@ -46,7 +46,7 @@ struct CoreTime {
   struct Demands {
     double no_slots = 0;    ///< time in which launches wait for ray slots of the tile buffer
     double fed = 0;         ///< time in which the T&I unit has rays
-    double occupied = 0;    ///< mean over TRVs of the time with rays inside
+    double occupied = 0;    ///< time in which a TRV holds rays, as the mean over TRVs
     double tree_lines = 0;  ///< lower bound of the time for the T&I unit's misses, with all MSHRs in use
     /// Lower bound of the time that the T&I unit's rays wait for lines, with 64 rays waiting at once.
     double tree_waits = 0;

@@ -87,7 +87,7 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
 void add_output_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)")
       ->check(not_empty("allowed: a folder"));
-  verb.add_flag("--force", options.force, "write into a folder that is not an earlier run, among its files");
+  verb.add_flag("--force", options.force, "also write into a folder that has other files, which stay");
   verb.add_flag("--quiet", options.quiet, "no table, no bar");
   add_progress_option(verb, options.progress);
 }

@@ -151,7 +151,8 @@ std::string reworded(const std::string& error) {
   return error;
 }
 
-/// Writes an argument that takes several words in a usage line as its type: "DIR...", "RUN RUN...", "[CONFIG] FILE".
+/// Formats usage lines. An argument that takes several words appears as its type, such as "DIR...", "RUN RUN..." or
+/// "[CONFIG] FILE".
 class UsageFormatter : public CLI::Formatter {
  public:
   std::string make_option_usage(const CLI::Option* option) const override {

@@ -65,7 +65,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
       ->capture_default_str();
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   verb->add_option("-o,--output", options->out, "folder for the results (default: a dated one below raywatt-out/)");
-  verb->add_flag("--force", options->force, "write into a folder that is not an earlier run, among its files");
+  verb->add_flag("--force", options->force, "also write into a folder that has other files, which stay");
   add_progress_option(*verb, options->progress);
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"

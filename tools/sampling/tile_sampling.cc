@@ -270,7 +270,7 @@ SamplePart as_sample(const TileTraits& traits, double cost) {
   return part;
 }
 
-/// Estimates of a frame from runs of its blocks.
+/// Time, energy and counters of a whole frame, estimated from simulations of some blocks of its tiles.
 struct Estimates {
   MeasuredPart whole;
   Interval time, energy;

@@ -131,7 +131,7 @@ class TimelineJob {
   const std::optional<TimelineSelection>& tile_selection() const { return selection_; }
   /// Throws InputError if the picture of the current frame of `inputs` has no such tile or pixel.
   void check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const;
-  /// Returns the observer of the next frame's machine: null from the second on.
+  /// Returns the observer of the next frame's machine; null from the second frame on.
   hw::Observer* begin_frame(const RunConfig& config);
   /// Makes the timeline of the first frame; ignores later frames. If the frame was interrupted before a selected tile,
   /// it prints a warning and makes no timeline.

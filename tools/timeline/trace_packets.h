@@ -191,8 +191,8 @@ class TimelineTracks {
 
   explicit TimelineTracks(std::uint32_t cores) : cores_(cores) {}
 
-  /// Returns the track of a slice. Call it for a core's slices in the order of their begin: overlapping batches of rays
-  /// get different tracks.
+  /// Returns the track of a slice. Call it for a core's slices in the order in which they begin, because
+  /// overlapping batches of rays get different tracks.
   std::uint64_t track_of(const RecordedSlice& slice) {
     Core& core = cores_[slice.core];
     const std::uint64_t parent = process_of(slice.core);

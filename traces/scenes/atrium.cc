@@ -31,7 +31,7 @@ constexpr float kSpring = 3.0F, kUpper = 5.0F, kUpperSpring = 7.3F, kTop = 9.4F;
 /// Indices in Scene::textures.
 enum Picture : std::uint32_t { kAshlar, kBrick, kFloor, kStone, kWood, kRedBanner, kBlueBanner, kCurtain };
 
-/// Indices in Scene::materials.
+/// Indices of the atrium's materials in Scene::materials.
 struct Materials {
   std::uint32_t ashlar, brick, floor, stone, light_stone, wood, plaster, red, blue, curtain, iron, leaf, clay, soil,
       water, glow;

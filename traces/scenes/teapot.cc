@@ -57,7 +57,8 @@ constexpr float kHalves[][4][4][3] = {
      {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
 };
 
-/// Returns the patch of revolution of quarter turn `quarter`. Factor 0.56 approximates a circle, as in the original.
+/// Revolves a profile by a quarter turn that begins at quarter turn `quarter`. Factor 0.56 approximates a circle, as in
+/// the original teapot.
 BezierPatch revolve_profile(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;
@@ -138,7 +139,8 @@ SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v) {
 
 namespace {
 
-/// Makes one mesh of the patches, with cells x cells squares each, without triangles of no area at the poles.
+/// Makes one mesh of all patches. Each patch has cells x cells squares; triangles without area at the poles are
+/// omitted.
 Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint32_t cells) {
   Mesh mesh;
   mesh.name = std::move(name);

@@ -44,7 +44,7 @@ struct BlockFrame {
   /// Returns where the tile's samples are in the tile buffer, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
-  /// Returns the bytes of a sample that a neighbouring tile reads.
+  /// Returns how many bytes of each exchanged sample a neighbouring tile reads.
   std::uint32_t exchanged_bytes() const;
   /// Returns the bytes that a tile stores in memory: last row, last column, and all records if they are kept in DRAM.
   std::uint64_t stored_bytes() const;
@@ -96,7 +96,7 @@ class BlockTile {
   void trace_references();
   /// Returns the samples of the reference rows that are between two references.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
-  /// Returns the samples of rows without references, which are between the samples of two reference rows.
+  /// Returns the samples of the rows without references. Each of these samples is between two reference rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
   void trace_failed(const BlockLines& lines, const Verdict& verdict);

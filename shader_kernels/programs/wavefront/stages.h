@@ -142,7 +142,7 @@ struct RecordStages {
 inline std::uint32_t light_bit(std::uint32_t light) { return 1U << (light % 32); }
 
 BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
-/// Returns a hash of a light and a bounce, which records of secondary shadows sum.
+/// Returns a hash of a light and a bounce. The record of a sample's secondary shadows is a sum of such hashes.
 std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t light);
 RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
 RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);

@@ -392,8 +392,8 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
   if (kept != nullptr) combine(kept->shadows, false, true);
 }
 
-/// Lights first hits in frames with effects at a lower rate. Samples store the light as if nothing blocked it; some of
-/// them find the visible fraction with rays.
+/// Lights first hits if occlusion and soft shadows have a lower rate than shading: every sample stores its unoccluded
+/// light, and only the selected samples cast rays that find the visible fraction.
 void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;

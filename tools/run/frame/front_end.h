@@ -146,8 +146,8 @@ struct ProgressBase {
 /// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: number of tiles. `former`: sums over the tiles that earlier objects passed in the same part of the
-  /// progress.
+  /// `tiles`: number of tiles that the front end executes. `former`: if the tiles of a frame are passed in several
+  /// rounds, with one RunTiles each: tiles, rays and cycles of the earlier rounds, added to the reported progress.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}

@@ -23,7 +23,7 @@ double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Returns the share of a T&I subunit's time with rays in which it waits for cache lines.
+/// Of the time in which a T&I subunit holds rays, returns the share in which it waits for cache lines.
 template <class Unit>
 double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;

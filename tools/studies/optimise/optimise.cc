@@ -52,7 +52,8 @@ class Comparator {
     if (!most_[objective]) d.value = -d.value;
     return d.one_sided_p_value();
   }
-  /// True if `a` is better at p <= `level` in each noisy objective, and equal or better in each exact one.
+  /// True if trial `a` is significantly better than `b` (p <= `level`) in each noisy objective, and equal or better in
+  /// each exact objective.
   bool dominates_beyond_noise(const Trial& a, const Trial& b, double level) const {
     bool differs = false;
     for (std::size_t o = 0; o < objective_count(); ++o) {

@@ -383,7 +383,7 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
   return case_of(view, setting.name, pixels, pixels, setting.run, reference, quick);
 }
 
-/// Returns the program on T&I units that never wait for rays.
+/// Returns the program with the settings of a machine whose T&I units never wait for rays.
 ProgramSetup on_tni_alone(ProgramSetup program) {
   program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;

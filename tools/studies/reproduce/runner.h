@@ -103,7 +103,7 @@ class Runner {
   /// exist or cannot be read.
   std::vector<Measured> measure_case(const Case& c);
 
-  /// Returns the name or file of the scene that replaces the one of the paper. Throws InputError if there is none.
+  /// Returns the name or file of the scene that replaces the paper's scene. Throws InputError if there is none.
   std::string find_stand_in_scene(const View& view) const;
 
   /// Writes the pictures of the last measured case: of the run, its debug pictures (picture.h), its reference

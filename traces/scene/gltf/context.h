@@ -58,14 +58,14 @@ glm::mat4 to_affine(glm::mat4 matrix);
 /// Returns the object of the extension called `name`, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
-/// Returns the number `key` of an extension's object, or `absent`.
+/// Returns the number stored under `key` in an extension's object, or `absent`.
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
 
-/// Returns the list `key` of three numbers of an extension's object, or `absent`.
+/// Returns the list of three numbers stored under `key` in an extension's object, or `absent`.
 glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
 
-/// Returns the count `key` (of bytes or elements) of an extension's object, or `absent`. Throws InputError if it is
-/// none.
+/// Returns the count of bytes or elements stored under `key` in an extension's object, or `absent`. Throws InputError
+/// if the value is not a count.
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
 /// Returns the index `key` of an extension's object, or -1.

@@ -15,7 +15,7 @@ inline constexpr float kTableHeight = 0.74F;
 enum Picture : std::uint32_t { kCarpet, kWood, kTableWood, kFabric, kChart, kHills, kSea, kShapes, kKeys, kPictures };
 void paint_pictures(Scene& scene);
 
-/// Indices in Scene::materials.
+/// Indices of the conference room's materials in Scene::materials.
 struct Materials {
   std::uint32_t carpet, wall, ceiling, ceiling_grid, lamp, wood, table_wood, white, dark, steel, fabric, chart, screen,
       hills, sea, shapes, slats, leaf, terracotta, soil, paper, red, blue, china, keys, glow, brass;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr float kHalfTable = 2.75F, kHalfDepth = 0.82F;
 
-/// Makes a slab with a rounded outline. `rings` are (inset, height), outside in, bottom to top.
+/// Makes the side of a slab whose outline is a rounded rectangle with half extents `a` x `b`. `rings`: for each ring of
+/// vertices, from bottom to top, its inset from that outline and its height.
 Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> rings, std::uint32_t round) {
   const auto last = static_cast<std::uint32_t>(rings.size() - 1);
   return make_surface(

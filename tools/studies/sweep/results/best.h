@@ -56,7 +56,8 @@ struct ParetoFront {
 ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected);
 
 /// Returns the rows of `front.other` that no other row dominates significantly, at 5 % for all comparisons of a row
-/// together. `sure`: also requires that a row dominates another under the draws of the energy tables; may be empty.
+/// together. `sure`: if not empty, a row dominates
+/// another only if it does so under the draws of the energy tables, too.
 std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                          const FigureNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure);

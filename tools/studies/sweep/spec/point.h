@@ -72,7 +72,7 @@ inline constexpr PointText kPointTexts[] = {
     {"reference", "--reference", &Point::reference, &JobOptions::reference},
     {"tile_sampling", "--tile-sampling", &Point::tile_sampling, &JobOptions::tile_sampling}};
 
-/// Lists the slices of a point in order; none if it is not cut.
+/// Returns the slices of a point in order; none if the point is not divided into slices.
 std::vector<Point> slices_of(const Point& point);
 /// Returns the whole point of a slice.
 Point whole_point_of(const Point& slice);

@@ -76,7 +76,7 @@ bool changes_workload(const Axis& axis);
 struct AxisCondition {
   struct Side {
     std::size_t axis = 0;
-    /// Index of the compared key of the axis; none: the label of the axis value is compared.
+    /// Which of the axis's keys is compared, as an index in Axis::keys; without it the value's label is compared.
     std::optional<std::size_t> key;
   };
   using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< all values of an axis
