@@ -24,7 +24,9 @@ JobOptions options_of(const std::string& scene, const std::string& program = "fu
   options.scene = scene;
   options.program = program;
   options.resolution = "128x64";
-  options.sets = {"frame.start=warm", "render.tile=16"};
+  // The L2 holds a good part of the scene. A small one is full of the last tiles' lines, which the first tiles do not
+  // read.
+  options.sets = {"frame.start=warm", "render.tile=16", "l2.size=1 MiB"};
   options.threads = 1;
   return options;
 }
@@ -52,13 +54,13 @@ FrameResult first_frame(const JobOptions& options, std::uint32_t threads = 1, co
 TEST(WarmStart, OfASingleFrameIsLikeThatOfTheSecondOfTwoEqualFrames) {
   for (const char* scene : {"cornell", "teapot"}) {
     const std::vector<double> warm = fills_of_frames(options_of(scene), "0:2");
-    EXPECT_NEAR(warm[0] / warm[1], 1, 0.03) << scene;
-    EXPECT_NEAR(warm[2] / warm[1], 1, 0.03) << scene;
     JobOptions cold = options_of(scene);
-    cold.sets = {"render.tile=16"};
+    cold.sets.front() = "frame.start=cold";
     const std::vector<double> empty = fills_of_frames(cold, "0:1");
     EXPECT_EQ(empty[0], empty[1]) << scene;
     EXPECT_LT(warm[1], 0.9 * empty[0]) << scene;
+    EXPECT_NEAR(warm[0], warm[1], 0.05 * empty[0]) << scene;
+    EXPECT_NEAR(warm[2], warm[1], 0.05 * empty[0]) << scene;
   }
 }
 
@@ -91,7 +93,7 @@ TEST(WarmStart, LeavesThePictureAsItIs) {
   for (const char* program : {"full:1", "undersample", "supersample", "multirate:under", "reconstruct"}) {
     JobOptions options = options_of("cornell", program);
     const FrameResult warm = first_frame(options);
-    options.sets = {"render.tile=16"};
+    options.sets.front() = "frame.start=cold";
     const FrameResult cold = first_frame(options);
     EXPECT_EQ(hw::test::difference(warm.rendered, cold.rendered), "") << program;
     EXPECT_LT(fills_of(warm), fills_of(cold)) << program;

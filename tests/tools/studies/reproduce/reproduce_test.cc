@@ -54,8 +54,8 @@ TEST_P(EachPaper, HasANumberForEveryMetricOfASmallPicture) {
   options.threads = 1;
   Runner runner(options);
   for (Case c : GetParam().cases(true)) {
-    c.width = 32;
-    c.height = 16;
+    c.width = 64;
+    c.height = 32;
     const std::vector<Measured> measured = runner.measure_case(c);
     ASSERT_EQ(measured.size(), c.metrics.size());
     for (std::size_t i = 0; i < measured.size(); ++i) {

@@ -98,9 +98,9 @@ class SweepFolder {
   static SweepFolder open(const std::filesystem::path& path);
   /// Creates the folder if it is missing and locks it; nothing if another process holds it. Throws InputError for a
   /// folder with other contents.
+  static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
   /// Writes the files of a sweep or a search into a folder that the caller has locked with try_claim(); replaces former
   /// files.
-  static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
   static SweepFolder create(const std::filesystem::path& path, FolderKind kind, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
