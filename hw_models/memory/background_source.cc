@@ -22,7 +22,7 @@ double interval_of(const BackgroundConfig& config, const BackgroundSource::Place
 BackgroundSource::BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock)
     : config_(config), place_(place), links_(links), clock_(clock), interval_(interval_of(config, place)) {}
 
-/// Returns the edge at which the next line is due.
+/// Returns the clock edge at which the source sends its next request.
 sim::Time BackgroundSource::next_due_time() const {
   return clock_.edge_at_or_after(static_cast<sim::Time>(std::llround(interval_ * static_cast<double>(sent_))));
 }

@@ -52,8 +52,8 @@ class Verification {
   const sim::Json& frames() const { return frames_; }
   double mean_squared_error() const { return squared_error_ / static_cast<double>(frames_.size()); }
 
-  /// Verifies all frames, or those before an interrupt; throws Interrupted if none was verified. Writes both pictures
-  /// of the first frame.
+  /// Compares all frames with Embree, or those before an interrupt. Throws Interrupted if there is none. Writes the
+  /// picture of the first frame and its picture by Embree.
   void verify_all(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     try {
       do {

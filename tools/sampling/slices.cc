@@ -264,8 +264,8 @@ Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
   return error;
 }
 
-/// Joins all slices to the result of a frame: sums of times and counters, and an interval from the differences at
-/// borders (docs/slices.md). `function`: result of rendering the frame.
+/// Adds up times and counters of all slices of a frame. Derives confidence intervals from the differences at their
+/// borders (docs/slices.md). `function`: picture and ray counts of the frame.
 FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
                        std::vector<PlayedSlice> played) {
   const RunConfig& config = player.inputs().config;

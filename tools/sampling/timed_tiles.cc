@@ -138,8 +138,8 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
 
 namespace {
 
-/// Length of a lead, in tiles per three tiles in flight. The first tiles of a machine start together, unlike tiles in
-/// the middle of a frame; the lead lasts until this effect has decayed (docs/slices.md).
+/// Length of the lead before a measured block: 5/3 of the number of tiles in flight. The first tiles of a machine start
+/// together, unlike tiles in the middle of a frame; the lead lasts until this effect has decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
 /// Frames and slices shorter than this number of leads get leads of twice the length, because errors at borders are a

@@ -54,7 +54,8 @@ struct GreyImage {
 GreyImage draw_text(const std::string& text);
 inline constexpr std::uint32_t kTextHeight = 12;
 
-/// Reads up to four channels of an OpenEXR file, sorted by name, and returns the first three.
+/// Reads an OpenEXR file of one to four channels. Each pixel of the result has three values: the first three channels
+/// of the file; a file of fewer channels repeats its last one.
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

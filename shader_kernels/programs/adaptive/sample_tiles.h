@@ -55,7 +55,7 @@ struct HaloPart {
   std::uint64_t first = 0;     ///< index of its first sample among those that the other tile stores
   std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of its first sample
   std::uint32_t across = 0, down = 0;
-  /// Returns the last `columns` columns and `rows` rows of the part, which are nearest to the tile.
+  /// Returns the rectangle of this part next to the tile: its last `columns` columns of its last `rows` rows.
   HaloPart inner_part(std::uint32_t columns, std::uint32_t rows) const;
 };
 

@@ -239,7 +239,8 @@ void Wavefront::classify_hits(WaveBounce& bounce) {
   }
 }
 
-/// Fetches the surfaces of a bounce and sorts them, with the stages that the scene and the bounce need.
+/// Fetches the surfaces that the rays of a bounce have hit, sorts them by material class and shades each class. Stages
+/// that the scene and the bounce do not need are left out.
 void Wavefront::shade_surfaces(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   const RetainedRecords& kept = wave_.retained;

@@ -132,7 +132,8 @@ class RunWatcher {
   std::atomic<bool> requested_{false};
 };
 
-/// Progress of a frame whose tiles several front ends execute in turn: sums over the earlier front ends.
+/// Tiles, rays and cycles of the front ends that have already executed a part of a frame. The progress of the frame
+/// starts from these sums when the next front end takes over.
 struct ProgressBase {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;

@@ -53,9 +53,9 @@ void choose_points(DvfsCurve& curve, double period_ms);
 /// least energy per period are to be searched; none if both are known to 0.5 %. At least one point meets the period.
 std::vector<double> factors_to_try(const DvfsCurve& curve);
 
-/// Records the first frame once and simulates it for each factor. With a target rate it adds points until the slowest
-/// clocks that meet it, and those with the least energy per period, are known to 0.5 %. Caches are warm unless
-/// frame.start is set. InputError, sim::Deadlock, Interrupted.
+/// Records the first frame once and simulates it with its clocks multiplied by each factor. A target rate adds points
+/// until two of them are known to 0.5 %: the slowest clocks that meet the rate, and the clocks with the least energy
+/// per period. Caches are warm unless frame.start is set. Throws InputError, sim::Deadlock, Interrupted.
 DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress = nullptr);
 
 std::string dvfs_text(const DvfsCurve& curve);

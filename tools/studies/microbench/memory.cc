@@ -232,8 +232,8 @@ namespace {
 
 constexpr std::uint32_t kPhases = 20;  // start times in consecutive cycles, to cover all clock phases
 
-/// Returns the first line after line 0 that is in the same channel and bank as line 0, in the same row or in another
-/// row.
+/// Returns the first line after line 0 that is in the same channel and bank as line 0: in the same row if `same_row`,
+/// else in another row.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::DramMap map(dram);
   const hw::DramAddress first = map.address_of(0);
@@ -288,8 +288,9 @@ class Chase {
   }
 
  private:
-  /// Reads the lines in order and adds the latency of the last read, from the probe of the L1 to its data.
-  /// `neighbour_first`: another client reads the last line first. Without `level` the read hits the L1.
+  /// Reads the lines in order. Adds the latency of the last read to `measurement`, from the probe of the L1 to its
+  /// data. `neighbour_first`: another client reads the last line first. `level`: memory level that answers the last
+  /// read; without it, the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);

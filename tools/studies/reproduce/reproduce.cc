@@ -217,7 +217,7 @@ std::string results_text(const Results& results) {
 
 namespace {
 
-/// Returns a Markdown table with the program and the reference of each setting.
+/// Returns a Markdown table: for each setting of a paper, the frame program that runs and the one it is compared with.
 std::string programs_markdown(std::span<const Row> rows) {
   std::string out = "\n| setting | run | compared with |\n|---|---|---|\n";
   std::vector<std::string> listed;

@@ -66,8 +66,8 @@ bool can_always_compare(const Term& term) {
   return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
 }
 
-/// Returns the term that holds for the fewest values, of those whose outcome is known for every value. Null if there is
-/// none, or if an earlier term may throw an InputError.
+/// Considers the terms of a condition whose outcome is known for every value of the axis. Returns the one that holds
+/// for the fewest values. Null if there is none, or if a term before it in the condition may throw an InputError.
 const Term* find_rarest_term(const AxisCondition& condition) {
   const Term* best = nullptr;
   std::ptrdiff_t least = 0;
