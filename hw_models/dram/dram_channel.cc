@@ -189,7 +189,7 @@ inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
   }
 }
 
-/// Closes the row now if the page policy says so. Called after the last queued hit of the row.
+/// Closes the row now if the page policy requires it. Called after the last queued hit of the row.
 inline void DramChannel::apply_page_policy(const DramAddress& address) {
   const bool others = (reads_.request_position_mask(address.bank) | writes_.request_position_mask(address.bank)) != 0;
   if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);

@@ -12,7 +12,7 @@
 
 namespace hw {
 
-/// DRAM commands in the order in which a scheduler prefers them. kColumn stands for the reads, or the writes, that move
+/// DRAM commands in the order in which a scheduler prefers them. kColumn represents the reads, or the writes, that move
 /// one line.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
@@ -87,7 +87,7 @@ class CommandCalendar {
       32;  ///< more than the cycles from a command to any ACT-2 that it can conflict with
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
-  /// Returns the number of cycles until the first cycle that is not blocked. Bit n of the mask stands for n cycles from
+  /// Returns the number of cycles until the first cycle that is not blocked. Bit n of the mask represents n cycles from
   /// now.
   static Cycle cycles_until_free(std::uint64_t blocked_mask) {
     return static_cast<Cycle>(std::countr_one(blocked_mask));

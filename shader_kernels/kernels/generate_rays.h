@@ -260,7 +260,7 @@ template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;
 };
-/// Returns the sample that item `item` stands for; three consecutive items belong to one pixel.
+/// Returns the sample to which item `item` belongs; three consecutive items belong to one pixel.
 template <class V>
 GeometrySample<V> unshaded_sample(const I<V>& item) {
   const DivMod<V> of_pixel = div_mod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));

@@ -71,7 +71,7 @@ class JsonIterator {
   Entry* entry_ = nullptr;
 };
 
-/// The place of a value in a JSON tree: "/frames/0/cycles". "~1" stands for a '/' in a key and "~0" for a '~'.
+/// The place of a value in a JSON tree: "/frames/0/cycles". "~1" encodes a '/' in a key and "~0" a '~'.
 class JsonPointer {
  public:
   explicit JsonPointer(std::string_view text);

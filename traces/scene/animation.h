@@ -11,7 +11,7 @@ namespace traces {
 
 struct Scene;
 
-/// Index that stands for "none" in all of the scene's arrays.
+/// Index that means "none" in all of the scene's arrays.
 inline constexpr std::uint32_t kNone = 0xffffffffU;
 
 /// A transform that applies scale, then rotation, then translation.

@@ -138,7 +138,7 @@ struct RecordStages {
   Launch hits, shadows, combine_shadows;
 };
 
-/// Returns the bit that stands for light number `light` in records of shadows. Lights from 32 on share bits.
+/// Returns the bit of light number `light` in records of shadows. Lights from 32 on share bits.
 inline std::uint32_t light_bit(std::uint32_t light) { return 1U << (light % 32); }
 
 BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);

@@ -164,7 +164,7 @@ TEST(EffectRate, IsCloseToAllRays) {
 }
 
 TEST(EffectRate, AveragesVisibilityOverSimilarPixels) {
-  // A row of pixels, three of them finished. The middle one emits no rays, the left one is far behind it.
+  // A row of pixels, three of them finished. The middle one emits no rays, the left one is much farther from the eye.
   constexpr std::uint32_t kPixels = 3;
   std::vector<VisibleRecord<float>> visible(kPixels, {{0, 0, 1}, 5, 0});
   std::vector<RatioRecord<float>> ratios = {{{0.25F, 0.25F, 0.25F}, 1}, {{0, 0, 0}, 0}, {{0.75F, 0.5F, 1}, 1}};

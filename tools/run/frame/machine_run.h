@@ -48,7 +48,7 @@ struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
   std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
-  std::shared_ptr<const hw::CacheContents> start{};  ///< lines in its caches; null: as frame.start of `config` says
+  std::shared_ptr<const hw::CacheContents> start{};  ///< lines in its caches; null: chosen by frame.start of `config`
 };
 
 /// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`: a

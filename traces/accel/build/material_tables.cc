@@ -138,7 +138,7 @@ namespace {
 
 constexpr std::size_t kChannels = 4;
 
-/// A texel of four linear channels, R first; 65535 stands for 1.
+/// A texel of four linear channels, R first; 65535 encodes 1.
 using WideTexel = std::array<std::uint16_t, kChannels>;
 struct WideTexture {
   std::uint32_t width = 0, height = 0;

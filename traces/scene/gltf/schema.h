@@ -15,7 +15,7 @@ enum class PropertyType : std::uint8_t { kObject, kIndex, kCount, kNumber, kText
 
 /// Rule for one property of a kind of glTF object.
 struct Property {
-  std::string_view name;  ///< name of the property; "*" stands for every member of the object
+  std::string_view name;  ///< name of the property; "*" matches every member of the object
   PropertyType type;
   std::string_view kind{};  ///< for kObject: its kind in object_kinds()
   bool is_list = false;

@@ -25,7 +25,7 @@ struct Source {
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget);
 
-/// Returns the relative path that a URI stands for, with percent escapes decoded. Throws InputError, beginning with
+/// Returns the relative path that a URI encodes, with percent escapes decoded. Throws InputError, beginning with
 /// `where`, if it has a scheme, is absolute or leaves the file's folder.
 std::string local_path(std::string_view uri, std::string_view where);
 

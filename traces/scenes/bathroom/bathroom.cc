@@ -69,7 +69,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, make_textured(name, picture, glm::vec3(1), mirror));
   };
   Material ceiling = make_paint("ceiling", {0.86F, 0.86F, 0.85F});
-  ceiling.emission = {0.3F, 0.295F, 0.285F};  // stands for light that the room reflects to the ceiling
+  ceiling.emission = {0.3F, 0.295F, 0.285F};  // replaces light that the room reflects to the ceiling
   Material bulb = make_lamp("bulb", {0.99F, 0.95F, 0.86F});
   ceiling.casts_light = bulb.casts_light = false;
   Materials materials{};

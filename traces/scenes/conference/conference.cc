@@ -130,7 +130,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, make_paint(name, colour, mirror));
   };
   Material ceiling = make_paint("ceiling board", {0.86F, 0.85F, 0.82F});
-  ceiling.emission = {0.33F, 0.32F, 0.30F};  // stands for light that the room reflects to the ceiling
+  ceiling.emission = {0.33F, 0.32F, 0.30F};  // replaces light that the room reflects to the ceiling
   Material panel = make_lamp("lamp panel", glm::vec3(0.98F, 0.96F, 0.9F));
   Material screen = make_textured("projection", kChart, glm::vec3(0.25F));
   screen.emission = glm::vec3(0.42F);
