@@ -12,9 +12,8 @@ namespace {
 
 /// Returns the femtoseconds between the lines of one channel.
 double interval_of(const BackgroundConfig& config, const BackgroundSource::Place& place) {
-  constexpr double kFemtosecondsPerNanosecond = 1e6;  // a GB/s is a byte per nanosecond
   const double lines = static_cast<double>(place.line_bytes) * place.channels;
-  return lines / config.rate * kFemtosecondsPerNanosecond;
+  return lines / config.rate * sim::kFemtosecondsPerNanosecond;  // a GB/s is a byte per nanosecond
 }
 
 }  // namespace

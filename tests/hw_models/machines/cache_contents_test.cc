@@ -13,10 +13,7 @@ using test::difference;
 using test::Engine;
 using test::Frame;
 using test::Outcome;
-
-Outcome machine_outcome(const Gpu& gpu) {
-  return {gpu.unit_reports(), gpu.kernel_use(), {}, gpu.elapsed_time(), gpu.elapsed_cycles()};
-}
+using test::run_machine;
 
 /// Runs the frame with these lines in the caches, and replaces them by those at its end.
 Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& contents, Engine engine = Engine::kFast,
@@ -24,19 +21,9 @@ Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& content
   tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
   Gpu gpu(config, frame.workload(), front_end);
   gpu.set_cache_contents(contents);
-  switch (engine) {
-    case Engine::kFast:
-      gpu.finish(sim::run<sim::Skip::kOn>(gpu));
-      break;
-    case Engine::kOracle:
-      gpu.finish(sim::run<sim::Skip::kOff>(gpu));
-      break;
-    case Engine::kShuffled:
-      gpu.finish(sim::run_shuffled(gpu, seed));
-      break;
-  }
+  Outcome outcome = run_machine(gpu, engine, seed);
   contents = gpu.cache_contents();
-  return machine_outcome(gpu);
+  return outcome;
 }
 
 /// Lines in the caches of a machine before its first frame: none.

@@ -48,7 +48,15 @@ class Tiles final : public TileSource {
   std::size_t next_ = 0;
 };
 
-Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
+/// True for "core0.tni.trv2" and kind "trv".
+bool is_kind(std::string_view path, std::string_view kind) {
+  path.remove_suffix(path.size() - 1 - path.find_last_not_of("0123456789"));
+  return path.ends_with(kind) && (path.size() == kind.size() || path[path.size() - kind.size() - 1] == '.');
+}
+
+}  // namespace
+
+Outcome run_machine(Gpu& gpu, Engine engine, std::uint64_t seed) {
   switch (engine) {
     case Engine::kFast:
       gpu.finish(sim::run<sim::Skip::kOn>(gpu));
@@ -62,14 +70,6 @@ Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
   }
   return {gpu.unit_reports(), gpu.kernel_use(), {}, gpu.elapsed_time(), gpu.elapsed_cycles()};
 }
-
-/// True for "core0.tni.trv2" and kind "trv".
-bool is_kind(std::string_view path, std::string_view kind) {
-  path.remove_suffix(path.size() - 1 - path.find_last_not_of("0123456789"));
-  return path.ends_with(kind) && (path.size() == kind.size() || path[path.size() - kind.size() - 1] == '.');
-}
-
-}  // namespace
 
 Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
              std::uint32_t tile, const traces::BvhConfig& bvh)
@@ -154,7 +154,7 @@ std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::stri
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   tools::FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
-  Outcome outcome = run(*gpu, engine, seed);
+  Outcome outcome = run_machine(*gpu, engine, seed);
   outcome.function = front_end.result();
   return outcome;
 }
@@ -164,7 +164,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& interv
   tools::FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
   gpu->machine().record_intervals(intervals);
-  Outcome outcome = run(*gpu, engine, seed);
+  Outcome outcome = run_machine(*gpu, engine, seed);
   outcome.function = front_end.result();
   return outcome;
 }
@@ -173,7 +173,7 @@ Outcome play(const Method& method, const GpuConfig& config, Engine engine, std::
   const std::unique_ptr<kernels::FrameProgram> program = method.make();
   tools::FrontEnd front_end(*program, method.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, method.workload(), front_end);
-  Outcome outcome = run(*gpu, engine, seed);
+  Outcome outcome = run_machine(*gpu, engine, seed);
   outcome.function = front_end.result();
   return outcome;
 }
@@ -187,7 +187,7 @@ Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const 
 Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, const Perturbation& perturbation,
              Engine engine, std::uint64_t seed) {
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), tiles, perturbation);
-  return run(*gpu, engine, seed);
+  return run_machine(*gpu, engine, seed);
 }
 
 std::string difference(const Outcome& a, const Outcome& b) {

@@ -96,6 +96,9 @@ enum class Engine : std::uint8_t {
   kShuffled,  ///< skips, and visits the units of each cycle in random order
 };
 
+/// Runs a machine from its first cycle to its last.
+Outcome run_machine(Gpu& gpu, Engine engine, std::uint64_t seed = 0);
+
 /// Runs the frame on a machine, with `workers` threads in the front end.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
