@@ -7,7 +7,6 @@
 
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "sim/time.h"
 #include "tools/analysis/report.h"
 #include "tools/run/frame/power.h"
 
@@ -15,10 +14,6 @@ namespace tools {
 namespace {
 
 using sim::Json;
-
-double elapsed_ms(const FrameResult& run) {
-  return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond;
-}
 
 Json clocks_json(const RatedClocks& clocks) {
   Json mhz = Json::object(), volt = Json::object();
@@ -31,7 +26,7 @@ Json clocks_json(const RatedClocks& clocks) {
 
 /// `slowest_share`: time of the slowest frame over the mean.
 FrameRate rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
-  const double ms = elapsed_ms(run);
+  const double ms = time_ms(run);
   return at_frame_rate(config, {.energy = run.energy,
                                 .units = run.units,
                                 .count = static_cast<double>(run.frames),
@@ -60,7 +55,7 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
   if (config.frame.fps <= 0) return;
   double slowest_ms = 0;
   for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
-  const double slowest_share = slowest_ms * run.frames / elapsed_ms(run);
+  const double slowest_share = slowest_ms * run.frames / time_ms(run);
   totals.update(frame_rate_json(rate_of(run, slowest_share, config)));
   if (!totals.contains("replicates")) return;
   std::vector<double> margins = {totals["fps_margin"].get<double>()}, low, nominal, high;

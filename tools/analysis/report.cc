@@ -38,6 +38,8 @@
 
 namespace tools {
 
+double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
+
 using sim::Json;
 
 namespace {
@@ -330,7 +332,6 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
 /// blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
-double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
 double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
 double tni_mj(const FrameResult& run) {
   return run.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;

@@ -75,6 +75,9 @@ std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
 /// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& run);
 
+/// Returns the simulated time of a run in milliseconds.
+double time_ms(const FrameResult& run);
+
 /// Returns mean, deviation and 95 % interval of a metric from its values in all simulations.
 sim::Json statistics_json(const std::vector<double>& values);
 /// Format the statistics of replicates as one line, or as a table of the main metrics.
