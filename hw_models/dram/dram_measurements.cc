@@ -259,7 +259,8 @@ DramMeasurement measure_row_stream(Experiment& experiment, const char* name, std
   }
   experiment.run_requests();
   return {name, "GB/s", experiment.steady_gbps(),
-          experiment.to_gbps(DramClosedForms(experiment.config).cycles_per_line_of_row(lines_per_row)), agreement};
+          experiment.to_gbps(DramClosedForms(experiment.config).cycles_per_line_of_row_stream(lines_per_row)),
+          agreement};
 }
 
 void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
@@ -282,7 +283,7 @@ void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measure
       measure_row_stream(lines, "a line of every row", 1, is_close ? Agreement::kClosely : Agreement::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.run_requests();
-  const double expected = random.to_gbps(DramClosedForms(random.config).cycles_per_line_of_row(1));
+  const double expected = random.to_gbps(DramClosedForms(random.config).cycles_per_line_of_row_stream(1));
   measurements.push_back(
       {"random reads", "GB/s", random.steady_gbps(), expected, is_close ? Agreement::kNearly : Agreement::kAtMost});
 }

@@ -46,7 +46,7 @@ class DramClosedForms {
   double cycles_per_streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
   /// Returns the cycles per line of a stream that reads `lines_per_row` lines of each row, bank after bank: the
   /// tightest of the limits by activates, buses and banks.
-  double cycles_per_line_of_row(std::uint32_t lines_per_row) const {
+  double cycles_per_line_of_row_stream(std::uint32_t lines_per_row) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own tFAW window
     const std::uint32_t hits = (lines_per_row - 1) * bursts_ * t_.ccd_l + column_span();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);

@@ -66,11 +66,11 @@ void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk_items
       if (w.kind == WorkNode::Kind::kRaster) progress_[producing_launch(n)].batches += 1;
     }
   }
-  list_batches();
+  collect_batches();
 }
 
 /// Lists the batches of every launch, launch by launch, in graph order.
-void TileRun::list_batches() {
+void TileRun::collect_batches() {
   std::uint32_t next = 0;
   for (Progress& p : progress_) {
     p.first_batch = next;

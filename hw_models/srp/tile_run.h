@@ -109,7 +109,7 @@ class TileRun {
     std::uint32_t first_batch = 0, batches = 0;  ///< launches: range in batches_
     std::uint32_t first_chunk = 0;               ///< batches of rays: index in chunk_left_
   };
-  void list_batches();
+  void collect_batches();
   bool is_ready(std::uint32_t launch) const;
   bool has_released_inputs(std::uint32_t node_id) const;
   bool has_missing_border(std::uint32_t node_id) const {

@@ -31,12 +31,12 @@ struct UnitPoint {
   F<V> x, y;
 };
 
-/// Returns the random point of one ray. Its hash key is the direction of the ray that hit the surface, which has the
-/// same bits for any tile size, order and tracer.
+/// Returns the random point in the unit square for one ray of an effect. `hit_direction`: direction of the ray that hit
+/// the surface. It is the hash key, because its bits are the same for any tile size, order and tracer.
 template <class V>
-UnitPoint<V> random_point(const Vec3<V>& direction, const RandomPointUniforms<V>& draw) {
-  const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
-                   (bits_of(direction.z) * 0xc2b2ae3dU) ^ draw.seed;
+UnitPoint<V> random_point_in_square(const Vec3<V>& hit_direction, const RandomPointUniforms<V>& draw) {
+  const I<V> key = (bits_of(hit_direction.x) * 0x9e3779b1U) ^ (bits_of(hit_direction.y) * 0x85ebca77U) ^
+                   (bits_of(hit_direction.z) * 0xc2b2ae3dU) ^ draw.seed;
   const I<V> first = scramble_bits<V>(key);
   const F<V> x = unit_float<V>(first) + draw.x;
   const F<V> y = unit_float<V>(scramble_bits<V>(first ^ 0x9e3779b9U)) + draw.y;
@@ -122,7 +122,7 @@ struct ShadeDisc {
     const PathRecord<V> path = io.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, io.mattes.load(slot).diffuse, io.light);
-    const UnitPoint<V> aim = map_to_disc<V>(random_point<V>(io.rays.load(slot).direction, io.draw));
+    const UnitPoint<V> aim = map_to_disc<V>(random_point_in_square<V>(io.rays.load(slot).direction, io.draw));
     const Vec3<V> direction = to_light + io.disc.across_x * aim.x + io.disc.across_y * aim.y;
 
     const I<V> out = io.emitted.next_index(and_masks<V>(mask, F<V>(0.0F) < max_channel(light)));
@@ -188,7 +188,7 @@ struct CastAmbient {
     const SurfacePointRecord<V> point = io.points.load(slot);
     const PathRecord<V> path = io.paths.load(slot);
     const Vec3<V> light = path.throughput * io.mattes.load(slot).diffuse * io.ambient;
-    const UnitPoint<V> square = random_point<V>(io.rays.load(slot).direction, io.draw);
+    const UnitPoint<V> square = random_point_in_square<V>(io.rays.load(slot).direction, io.draw);
     const UnitPoint<V> disc = map_to_disc<V>(square);
     const PerpendicularAxes<V> to_side = perpendicular_axes<V>(point.normal);
     const Vec3<V> direction = to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - square.y);

@@ -41,18 +41,18 @@ struct LineUniforms {
   F<V> gaps, inverse_gaps, block, inverse_block;
   F<V> first, step, line_step;  ///< index of position 0 of line 0; index steps between positions and between lines
   F<V> low, high;
-  static constexpr void describe(auto& l, auto&& port) {
-    port(l.inner, "line.inner");
-    port(l.inverse_inner, "line.inverse_inner");
-    port(l.gaps, "line.gaps");
-    port(l.inverse_gaps, "line.inverse_gaps");
-    port(l.block, "line.block");
-    port(l.inverse_block, "line.inverse_block");
-    port(l.first, "line.first");
-    port(l.step, "line.step");
-    port(l.line_step, "line.line_step");
-    port(l.low, "line.low");
-    port(l.high, "line.high");
+  static constexpr void describe(auto& line, auto&& port) {
+    port(line.inner, "line.inner");
+    port(line.inverse_inner, "line.inverse_inner");
+    port(line.gaps, "line.gaps");
+    port(line.inverse_gaps, "line.inverse_gaps");
+    port(line.block, "line.block");
+    port(line.inverse_block, "line.inverse_block");
+    port(line.first, "line.first");
+    port(line.step, "line.step");
+    port(line.line_step, "line.line_step");
+    port(line.low, "line.low");
+    port(line.high, "line.high");
   }
 };
 

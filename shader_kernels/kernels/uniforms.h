@@ -90,12 +90,12 @@ struct GridUniforms {
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
-  static constexpr void describe(auto& l, auto&& port) {
-    port(l.first, "lattice.first");
-    port(l.across, "lattice.across");
-    port(l.inverse_across, "lattice.inverse_across");
-    port(l.step, "lattice.step");
-    port(l.row_step, "lattice.row_step");
+  static constexpr void describe(auto& lattice, auto&& port) {
+    port(lattice.first, "lattice.first");
+    port(lattice.across, "lattice.across");
+    port(lattice.inverse_across, "lattice.inverse_across");
+    port(lattice.step, "lattice.step");
+    port(lattice.row_step, "lattice.row_step");
   }
 };
 template <class V>

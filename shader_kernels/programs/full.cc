@@ -100,7 +100,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   if (scene_.fuses && samples_ == 1) {
     const Wavefront::Node packed = graph.launch<PackSample>(samples);
     graph.wait_for_colours(packed);
-    graph.write_packed(packed, offset);
+    graph.write_packed_pixels(packed, offset);
     return;
   }
   AverageColour::Ports<float> average;

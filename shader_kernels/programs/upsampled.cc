@@ -156,7 +156,7 @@ void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
     ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
     const Node packed = graph.launch<PackGridSample>(ports, tile.pixels);
     graph.wait_for_all(packed, upsampled);
-    graph.write_packed(packed, offset);
+    graph.write_packed_pixels(packed, offset);
     return;
   }
   AverageSamples::Ports<float> ports;

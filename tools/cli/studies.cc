@@ -236,7 +236,7 @@ void run_comparison(const CompareOptions& options) {
     print_message("warning: {}", sim::printable(warning, 1000));
   }
   fmt::print("{}", options.json ? sim::json_text(comparison_json(reports, against))
-                                : terminal_text(comparison_text(reports, against)));
+                                : to_terminal_encoding(comparison_text(reports, against)));
 }
 
 }  // namespace
@@ -375,7 +375,7 @@ void add_bottleneck(CLI::App& app) {
     Progress progress(options->progress, options->quiet);
     const Bottleneck b = find_bottleneck(*options, &progress);
     progress.finish("done");
-    fmt::print("{}", *json ? sim::json_text(bottleneck_json(b)) : terminal_text(bottleneck_text(b)));
+    fmt::print("{}", *json ? sim::json_text(bottleneck_json(b)) : to_terminal_encoding(bottleneck_text(b)));
   });
 }
 

@@ -110,7 +110,7 @@ template <class Write>
 void print_results(const fs::path& sweep, Write&& write, bool csv = false) {
   results::collect_if_writable(sweep, "the results below are those last collected");
   const results::Results read(sweep);
-  fmt::print("{}", csv ? write(read) : terminal_text(write(read)));
+  fmt::print("{}", csv ? write(read) : to_terminal_encoding(write(read)));
 }
 
 /// Adds a verb that reads the results of the sweep in `folder`.

@@ -47,7 +47,7 @@ bool locale_has_utf8() {
 
 }  // namespace
 
-std::string terminal_text(std::string text) {
+std::string to_terminal_encoding(std::string text) {
   constexpr std::string_view kSign = "\u00b1";
   if (locale_has_utf8()) return text;
   for (std::size_t at = 0; (at = text.find(kSign, at)) != std::string::npos;) text.replace(at, kSign.size(), "+-");

@@ -25,7 +25,7 @@ void ignore_write_signals();
 void flush_output();
 
 /// Replaces non-ASCII signs ("±" by "+-") unless LC_ALL, LC_CTYPE or LANG, the first that is set, names UTF-8.
-std::string terminal_text(std::string text);
+std::string to_terminal_encoding(std::string text);
 
 /// Prints "raywatt: TEXT" to standard error. Ignores errors.
 void print_message(std::string_view text);

@@ -266,7 +266,7 @@ struct Announced {
   bool picture, timeline, reference;
 };
 void print_results(const sim::Json& json, const std::filesystem::path& folder, const Announced& has) {
-  fmt::print("{}\n", terminal_text(report_table(json)));
+  fmt::print("{}\n", to_terminal_encoding(report_table(json)));
   if (has.picture) fmt::print("picture: {}\n", (folder / "image.png").string());
   if (has.timeline) fmt::print("timeline: {}\n", (folder / kTimelineFile).string());
   fmt::print("report:  {}\n", (folder / "report.json").string());
@@ -290,9 +290,9 @@ void run_frames(const JobOptions& options) {
   timeline.check_selection(inputs, plan.program);
   print_warnings(inputs.warnings, &progress);
   if (plan.sampling() == nullptr && progress.shows_hints()) {
-    const RunParallelism plays{options.threads, frames.replicates(), frames.slices()};
-    double frame = estimate_seconds(inputs, plan.program, plays);
-    if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole_frames()->reference, plays);
+    const RunParallelism parallelism{options.threads, frames.replicates(), frames.slices()};
+    double frame = estimate_seconds(inputs, plan.program, parallelism);
+    if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole_frames()->reference, parallelism);
     print_duration_hint(inputs.load_seconds + frame * inputs.frames(),
                         "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }

@@ -155,11 +155,11 @@ void StoredFrames::load_tree(const Part& part) {
 
 double StoredFrames::estimate_seconds() {
   const double steps = recorded_steps();
-  const RunParallelism plays{threads_, replicates_};
+  const RunParallelism parallelism{threads_, replicates_};
   HostRate rate = kUsualRate;
   // Only tiles of this program are independent of each other.
   const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
-  if (has_free_tiles && may_take_minutes(steps, plays)) {
+  if (has_free_tiles && may_take_minutes(steps, parallelism)) {
     const Part& first = find_part(false);
     load_tree(first);
     ReplayProgram frame(trace_, first, scope_, kernels_);
@@ -168,7 +168,7 @@ double StoredFrames::estimate_seconds() {
     } catch (const sim::Deadlock&) {  // the replay itself reports the error
     }
   }
-  return inputs_.load_seconds + frame_seconds(steps, rate, plays);
+  return inputs_.load_seconds + host_seconds_of_frame(steps, rate, parallelism);
 }
 
 FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program,

@@ -121,7 +121,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   });
   hold.reset();
   if (options.quiet) return;
-  fmt::print("{}\nreport:  {}\n", terminal_text(report_table(json)), (folder.target() / "report.json").string());
+  fmt::print("{}\nreport:  {}\n", to_terminal_encoding(report_table(json)), (folder.target() / "report.json").string());
   if (timeline.tile_selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
   if (json["totals"].contains("reference")) print_reference_location(folder.target());
 }

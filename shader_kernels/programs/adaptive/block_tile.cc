@@ -313,7 +313,7 @@ void BlockTile::average_pixels() {
   if (can_pack_samples()) {
     PackGridSample::Ports<float> pack;
     pack.lattice = frame_.own_samples(at);
-    return write_packed(graph.launch<PackGridSample>(pack, at.width * at.height));
+    return write_packed_pixels(graph.launch<PackGridSample>(pack, at.width * at.height));
   }
   const std::uint32_t grid = frame_.setup.grid, per_pixel = grid * grid;
   AverageSamples::Ports<float> ports;
@@ -330,9 +330,9 @@ void BlockTile::average_pixels() {
   graph.write_pixels(averaged, frame_.picture_bytes() * at.index);
 }
 
-void BlockTile::write_packed(Wavefront::Node packed) {
+void BlockTile::write_packed_pixels(Wavefront::Node packed) {
   graph.wait_for_colours(packed);
-  graph.write_packed(packed, frame_.picture_bytes() * at.index);
+  graph.write_packed_pixels(packed, frame_.picture_bytes() * at.index);
 }
 
 void BlockTile::finish() {

@@ -128,7 +128,7 @@ class BlockTile {
   /// Averages the samples of each pixel and writes the pixels to the frame buffer.
   void average_pixels();
   /// Writes pixels to the frame buffer that launch `packed` has encoded.
-  void write_packed(Wavefront::Node packed);
+  void write_packed_pixels(Wavefront::Node packed);
   /// Completes the tile's graph of work and counts its samples.
   void finish();
 

@@ -196,7 +196,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
   };
   using std::type_identity;
   if (tile.can_pack_samples()) {
-    tile.write_packed(store(type_identity<PackIdentified<true>>{}, type_identity<PackIdentified<false>>{}));
+    tile.write_packed_pixels(store(type_identity<PackIdentified<true>>{}, type_identity<PackIdentified<false>>{}));
   } else {
     store(type_identity<StoreIdentities<true>>{}, type_identity<StoreIdentities<false>>{});
     tile.average_pixels();

@@ -152,10 +152,10 @@ void TileGraph::write_pixels(Node averaged, std::uint64_t offset) {
   if (scene_.dma_encodes) return wait_for_all(write_linear(offset), averaged);
   const Node packed = launch<PackColour>(static_cast<std::uint32_t>(out_.linear.size()));
   wait_for_all(packed, averaged);
-  write_packed(packed, offset);
+  write_packed_pixels(packed, offset);
 }
 
-void TileGraph::write_packed(Node packed, std::uint64_t offset) {
+void TileGraph::write_packed_pixels(Node packed, std::uint64_t offset) {
   const auto bytes = static_cast<std::uint32_t>(out_.linear.size()) * kPixelBytes;
   wait_for_all(add_transfer(traces::Region::kPicture, true, offset, bytes), packed);
 }

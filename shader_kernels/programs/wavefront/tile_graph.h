@@ -109,7 +109,7 @@ class TileGraph {
   /// Encodes the tile's pixels after node `averaged`, and writes them to byte `offset` of the picture.
   void write_pixels(Node averaged, std::uint64_t offset);
   /// Writes pixels that node `packed` has encoded to byte `offset` of the picture.
-  void write_packed(Node packed, std::uint64_t offset);
+  void write_packed_pixels(Node packed, std::uint64_t offset);
   /// Writes linear pixels, which the DMA encodes, to byte `offset` of the picture. Returns the transfer.
   Node write_linear(std::uint64_t offset);
 

@@ -56,17 +56,17 @@ TEST(DramClosedForms, LinesOfManyRowsAreLimitedByTheCommandBusIfCommandsAreLong)
   DramConfig c;
   c.timing.rrd = c.timing.faw = c.timing.rc = c.timing.ras = c.timing.rcd = c.timing.rp = c.timing.rtp = 1;
   c.timing.ca_column = 20;
-  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), c.timing.ca_activate + 2 * 20 + c.timing.ca_precharge);
-  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(2),
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row_stream(1), c.timing.ca_activate + 2 * 20 + c.timing.ca_precharge);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row_stream(2),
             (c.timing.ca_activate + 4 * 20 + c.timing.ca_precharge) / 2.0);
 }
 
 TEST(DramClosedForms, LinesOfManyRowsHaveTheActivateWindowsOfAllRanks) {
   DramConfig c;
   c.timing.faw = 400;
-  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), 100);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row_stream(1), 100);
   c.organisation.ranks = 2;
-  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), 50);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row_stream(1), 50);
 }
 
 TEST(DramMeasurement, IsOmittedForRefreshesThatLeaveNoTime) {

@@ -26,7 +26,7 @@ TEST(DramRequests, ASingleBankTakesRowAfterRowInTheTimeOfTheClosedForm) {
   for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * i;
   const DramRun play = hw::run_dram_requests(c, requests, 32);
   const sim::Time row = play.done[5 * lines - 1] - play.done[4 * lines - 1];
-  const double expected = DramClosedForms(c).cycles_per_line_of_row(lines) * lines;
+  const double expected = DramClosedForms(c).cycles_per_line_of_row_stream(lines) * lines;
   EXPECT_NEAR(static_cast<double>(row) / static_cast<double>(c.timing.ck.time), expected, 0.01 * expected);
 }
 

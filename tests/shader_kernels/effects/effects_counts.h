@@ -5,7 +5,7 @@ namespace kernels {
 
 // Kernels of effects, counted by hand as those of graphs_test.cc are.
 //
-//   random_point    3 (bits, mul), 3 xor; 2 (scrambled, shift, to_float, mul, add, floor, sub), xor
+//   random_point_in_square  3 (bits, mul), 3 xor; 2 (scrambled, shift, to_float, mul, add, floor, sub), xor
 //                                                    4 add  2 mul 2 other 25 integer 2 convert
 //   sin_half_turns         mul, abs, sub, mul; abs, mul, add, mul
 //                                                    2 add  4 mul 2 other
@@ -16,9 +16,10 @@ namespace kernels {
 inline constexpr Hand kEffectsByHand[] = {
     // Diffuse_light; 2 max, compare, 3 select, add_light.
     {"shade_open", {14, 31, 2, 6, 1, 3, 0, 0, 5, 1, 0}},
-    // Shade_diffuse; random_point, map_to_disc; 2 scale, 2 vector add; mul, max; scale.
+    // Shade_diffuse; random_point_in_square, map_to_disc; 2 scale, 2 vector add; mul, max; scale.
     {"shade_soft", {29, 55, 3, 13, 2, 2, 26, 2, 5, 2, 0}},
-    // 6 mul; random_point, map_to_disc, perpendicular_axes; 3 scale, 2 vector add, sub, sqrt; 2 max, compare, next.
+    // 6 mul; random_point_in_square, map_to_disc, perpendicular_axes; 3 scale, 2 vector add, sub, sqrt; 2 max, compare,
+    // next.
     {"cast_occlusion", {21, 36, 3, 10, 3, 3, 26, 2, 5, 2, 0}},
     // Lattice_sample.
     {"clear_effects", {4, 4, 0, 1, 0, 0, 0, 2, 0, 2, 0}},

@@ -72,8 +72,8 @@ double estimate_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   return static_cast<double>(steps) / looked_at * samples;
 }
 
-bool may_take_minutes(double steps, const RunParallelism& plays) {
-  return steps * kSlowestStep * plays.replicates >= kLong;
+bool may_take_minutes(double steps, const RunParallelism& parallelism) {
+  return steps * kSlowestStep * parallelism.replicates >= kLong;
 }
 
 HostRate measure_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
@@ -97,26 +97,26 @@ HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, cons
   return {.functional = source.making_seconds() / steps, .machine = (all - source.making_seconds()) / steps};
 }
 
-double frame_seconds(double steps, const HostRate& rate, const RunParallelism& plays) {
-  const std::uint32_t threads = host_threads(plays.threads);
+double host_seconds_of_frame(double steps, const HostRate& rate, const RunParallelism& parallelism) {
+  const std::uint32_t threads = host_threads(parallelism.threads);
   const double functional = steps * rate.functional, machine = steps * rate.machine;
-  const double play = machine / std::min(threads, std::max(plays.slices, 1U));
+  const double play = machine / std::min(threads, std::max(parallelism.slices, 1U));
   // One thread simulates the machine, the others run ahead of it.
   const double first = threads == 1 ? functional + play : std::max(functional / (threads - 1), play);
-  const std::uint32_t others = std::max(plays.replicates, 1U) - 1;
+  const std::uint32_t others = std::max(parallelism.replicates, 1U) - 1;
   return first + (others + threads - 1) / threads * machine;
 }
 
-double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& plays) {
+double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& parallelism) {
   const double steps = estimate_steps(inputs, spec);
   HostRate rate = kUsualRate;
-  if (may_take_minutes(steps * inputs.frames(), plays)) {
+  if (may_take_minutes(steps * inputs.frames(), parallelism)) {
     try {
       rate = measure_rate(inputs, spec);
     } catch (const sim::Deadlock&) {  // the run itself reports the error
     }
   }
-  return frame_seconds(steps, rate, plays);
+  return host_seconds_of_frame(steps, rate, parallelism);
 }
 
 double estimate_render_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,

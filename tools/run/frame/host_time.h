@@ -34,14 +34,14 @@ HostRate measure_rate(const Inputs& inputs, const kernels::ProgramSpec& spec);
 HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer);
 
 /// True if this number of traversal steps may take minutes on a slow host, so that it is worth measuring the speed.
-bool may_take_minutes(double steps, const RunParallelism& plays);
+bool may_take_minutes(double steps, const RunParallelism& parallelism);
 
 /// Returns the estimated host seconds to render and simulate a frame of this number of traversal steps.
-double frame_seconds(double steps, const HostRate& rate, const RunParallelism& plays);
+double host_seconds_of_frame(double steps, const HostRate& rate, const RunParallelism& parallelism);
 
 /// Estimates the host seconds to render and simulate the current frame. Measures the speed only if the frame may take
 /// minutes.
-double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& plays);
+double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& parallelism);
 
 /// Estimates the host seconds to trace and shade the current frame `times` times, without a machine.
 double estimate_render_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,

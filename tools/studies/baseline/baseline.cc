@@ -32,7 +32,7 @@ const Moved* find_moved(const RunCheck& run, std::string_view path) {
 /// the named unit.
 const Moved& value_to_print(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
-  if (found == run.moved.end() && run.can_name_unit()) {
+  if (found == run.moved.end() && run.can_report_changed_unit()) {
     const std::string prefix = fmt::format("units.{}.", run.located->unit);
     found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(prefix); });
   }
@@ -90,12 +90,12 @@ std::string run_details(const RunCheck& run) {
   };
   show(false, "");
   const std::size_t figures = std::exchange(shown, 0);
-  const std::string own = run.can_name_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
+  const std::string own = run.can_report_changed_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
   show(true, find_moved(run, own) != nullptr ? own : "units.");
   if (figures + shown < run.moved.size()) {
     out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
   }
-  if (run.can_name_unit()) out += fmt::format("  {}\n", located_text(run));
+  if (run.can_report_changed_unit()) out += fmt::format("  {}\n", located_text(run));
   return out;
 }
 
@@ -172,7 +172,7 @@ std::string failure_text(const RunCheck& run) {
   for (const std::string& why : run.refused) out += xml_text(why) + "\n";
   std::istringstream keys(changed_keys_text(run.keys.changed) + changed_keys_text(run.keys.of_one));
   for (std::string line; std::getline(keys, line);) out += xml_text(line) + "\n";
-  if (run.can_name_unit()) out += xml_text(located_text(run)) + "\n";
+  if (run.can_report_changed_unit()) out += xml_text(located_text(run)) + "\n";
   for (const Moved& moved : run.moved) out += xml_text(fmt::format("{}: {}", moved.path, moved_text(moved))) + "\n";
   return out;
 }
@@ -225,7 +225,7 @@ void write_junit(const std::filesystem::path& file, const Suite& suite, const Ch
 constexpr std::size_t kLongestLine = 400;
 
 /// Prints text to the terminal. Names of runs come from the user and are made printable by the caller.
-void print_to_terminal(const std::string& text) { fmt::print("{}", terminal_text(text)); }
+void print_to_terminal(const std::string& text) { fmt::print("{}", to_terminal_encoding(text)); }
 void print_check_line(const RunCheck& run) {
   print_to_terminal(sim::printable(check_line(run), kLongestLine) + "\n");
   std::fflush(stdout);

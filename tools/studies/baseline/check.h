@@ -75,7 +75,7 @@ struct RunCheck {
   std::optional<LocatedRegression> located;
   double seconds = 0;
   /// True if the unit can be named for this run alone: because a key changed, or because its counters are certain.
-  bool can_name_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
+  bool can_report_changed_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
   bool is_good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
 

@@ -142,7 +142,9 @@ class MemoryForms {
     return {kRounds * kPerSecond / static_cast<double>(pushed), "request wire"};
   }
   UpperBound stream_rate() const { return {lines_of_channels(dram_forms_.cycles_per_streamed_line()), "DRAM"}; }
-  UpperBound lines_of_own_row() const { return {lines_of_channels(dram_forms_.cycles_per_line_of_row(1)), "DRAM"}; }
+  UpperBound lines_of_own_row() const {
+    return {lines_of_channels(dram_forms_.cycles_per_line_of_row_stream(1)), "DRAM"};
+  }
 
  private:
   static constexpr double kPerSecond = static_cast<double>(sim::kFemtosecondsPerSecond);

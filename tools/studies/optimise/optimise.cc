@@ -251,9 +251,9 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
     }
     for (const Goal& goal : search.goals()) {
       if (goal.is_objective() || goal.metric != search.goals()[g].metric) continue;
-      header.push_back(goal.room_title());
-      std::vector<std::string>& rooms = columns.emplace_back();
-      for (const Trial* trial : trials) rooms.push_back(goal.room_text(trial->metrics[g]));
+      header.push_back(goal.distance_title());
+      std::vector<std::string>& distances = columns.emplace_back();
+      for (const Trial* trial : trials) distances.push_back(goal.distance_text(trial->metrics[g]));
     }
   }
   sim::Table table(header);
@@ -349,7 +349,7 @@ std::string infeasible_text(const SearchRun& search) {
     const Goal& goal = search.goals()[g];
     if (!goal.is_met(nearest->metrics[g])) {
       missed.push_back(fmt::format("{:.4g} where {} is required (room {})", nearest->metrics[g], goal.text(),
-                                   goal.room_text(nearest->metrics[g])));
+                                   goal.distance_text(nearest->metrics[g])));
     }
   }
   std::vector<std::string> axes;
@@ -441,7 +441,7 @@ int run(const Options& options) {
 
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet) {
-    const std::string found = terminal_text(is_feasible ? pareto_front_text(search) : infeasible_text(search));
+    const std::string found = to_terminal_encoding(is_feasible ? pareto_front_text(search) : infeasible_text(search));
     fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary_text(search), (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {

@@ -75,18 +75,18 @@ std::string Goal::text() const {
                         : fmt::format("{} {} {}", metric_name(metric), name, limit);
 }
 
-std::string Goal::room_title() const {
+std::string Goal::distance_title() const {
   return fmt::format("room to {} {}", names_of(kind).at(static_cast<std::size_t>(kind)), limit);
 }
 
-double Goal::room_to_limit(double value) const {
+double Goal::distance_to_limit(double value) const {
   const double distance = is_upper() ? limit - value : value - limit;
   return limit == 0 ? distance : distance / std::abs(limit);
 }
 
-std::string Goal::room_text(double value) const {
-  if (limit == 0) return fmt::format("{:.3g}", room_to_limit(value));
-  const double percent = 100 * room_to_limit(value);
+std::string Goal::distance_text(double value) const {
+  if (limit == 0) return fmt::format("{:.3g}", distance_to_limit(value));
+  const double percent = 100 * distance_to_limit(value);
   return std::abs(percent) < 1 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
 }
 

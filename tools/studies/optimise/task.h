@@ -24,12 +24,12 @@ struct Goal {
   bool is_met(double value) const;
   std::string text() const;
   /// Title of the column of distances: "room to < 1.4".
-  std::string room_title() const;
+  std::string distance_title() const;
   /// Returns the distance of a value from the limit, as a share of the limit if that is not 0. Negative if the
   /// constraint is violated.
-  double room_to_limit(double value) const;
+  double distance_to_limit(double value) const;
   /// Returns the distance as text: "1.7 %", "-0.25".
-  std::string room_text(double value) const;
+  std::string distance_text(double value) const;
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
 

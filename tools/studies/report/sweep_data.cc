@@ -291,7 +291,7 @@ class Sweep {
         const double value = value_of(*metric, *best).value_or(0);
         const results::FigureNoise noise(results_, results_.column(metric->path), done);
         cells = Json::array({goal.text(), met, value, noise.is_noisy() ? results::interval_text(noise, *best) : "",
-                             goal.room_text(value)});
+                             goal.distance_text(value)});
       }
       out.push_back(std::move(cells));
     }

@@ -33,21 +33,22 @@ TEST(HostTime, StepsGrowWithPixelsAndSamples) {
 
 TEST(HostTime, OfAFrameOnOneThreadIsBothHalvesAndOnSeveralTheLongerOne) {
   const HostRate rate{.functional = 1, .machine = 8};
-  EXPECT_DOUBLE_EQ(frame_seconds(10, rate, {.threads = 1}), 90);
-  EXPECT_DOUBLE_EQ(frame_seconds(10, rate, {.threads = 4}), 80) << "the machine is played by one thread";
-  EXPECT_DOUBLE_EQ(frame_seconds(10, {.functional = 12, .machine = 3}, {.threads = 4}), 40);
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(10, rate, {.threads = 1}), 90);
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(10, rate, {.threads = 4}), 80) << "the machine is played by one thread";
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(10, {.functional = 12, .machine = 3}, {.threads = 4}), 40);
 }
 
 TEST(HostTime, OfReplicatesIsThatOfOneMorePlayForAsManyAsThereAreThreads) {
   const HostRate rate{.functional = 0, .machine = 1};
-  EXPECT_DOUBLE_EQ(frame_seconds(10, rate, {.threads = 2, .replicates = 5}), 30) << "two rounds of two after the first";
-  EXPECT_DOUBLE_EQ(frame_seconds(10, rate, {.threads = 1, .replicates = 5}), 50);
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(10, rate, {.threads = 2, .replicates = 5}), 30)
+      << "two rounds of two after the first";
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(10, rate, {.threads = 1, .replicates = 5}), 50);
 }
 
 TEST(HostTime, OfSlicesIsSharedByTheThreads) {
   const HostRate rate{.functional = 0, .machine = 1};
-  EXPECT_DOUBLE_EQ(frame_seconds(12, rate, {.threads = 4, .slices = 3}), 4);
-  EXPECT_DOUBLE_EQ(frame_seconds(12, rate, {.threads = 2, .slices = 3}), 6);
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(12, rate, {.threads = 4, .slices = 3}), 4);
+  EXPECT_DOUBLE_EQ(host_seconds_of_frame(12, rate, {.threads = 2, .slices = 3}), 6);
 }
 
 TEST(HostTime, IsMeasuredFromAMinuteOfTheSlowestStepsOn) {
@@ -59,7 +60,7 @@ TEST(HostTime, IsMeasuredFromAMinuteOfTheSlowestStepsOn) {
 TEST(HostTime, OfAShortFrameIsNotMeasured) {
   const Inputs inputs = inputs_of("24x12");
   EXPECT_DOUBLE_EQ(estimate_seconds(inputs, kOne, {.threads = 1}),
-                   frame_seconds(estimate_steps(inputs, kOne), kUsualRate, {.threads = 1}));
+                   host_seconds_of_frame(estimate_steps(inputs, kOne), kUsualRate, {.threads = 1}));
 }
 
 TEST(HostTime, IsMeasuredOnTilesOfTheMachineThatIsNamed) {
