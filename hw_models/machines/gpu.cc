@@ -189,7 +189,7 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
       dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.observer, core_number},
       transfers.client, srp_clock_);
   if (raster) {
-    machine_.build<RasterUnit>(
+    core.raster = &machine_.build<RasterUnit>(
         raster->unit, config_.raster, raster_memory_of(config_, workload),
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
@@ -271,6 +271,7 @@ CacheContents Gpu::cache_contents() const {
     for (const Trv* trv : core.tni.trvs()) contents.first_level.push_back(trv->l1_tags());
     contents.first_level.push_back(core.tni.ist().l1_tags());
     contents.first_level.push_back(core.srp->cache_tags());
+    if (core.raster != nullptr) contents.first_level.push_back(core.raster->l1_tags());
   }
   for (const L2Bank* bank : memory_.l2_banks()) contents.l2.push_back(bank->store());
   for (const SystemCacheSlice* slice : memory_.system_cache_slices()) contents.slc.push_back(slice->store());
@@ -283,6 +284,7 @@ void Gpu::set_cache_contents(const CacheContents& contents) {
     for (Trv* trv : core.tni.trvs()) trv->set_l1_tags(*next++);
     core.tni.ist().set_l1_tags(*next++);
     core.srp->set_cache_tags(*next++);
+    if (core.raster != nullptr) core.raster->set_l1_tags(*next++);
   }
   for (std::size_t i = 0; i < contents.l2.size(); ++i) memory_.l2_banks()[i]->set_store(contents.l2[i]);
   for (std::size_t i = 0; i < contents.slc.size(); ++i) {

@@ -45,7 +45,7 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 
 /// Lines in the caches of a machine between two frames.
 struct CacheContents {
-  std::vector<CacheTags> first_level;  ///< core by core: TRVs, IST, data cache
+  std::vector<CacheTags> first_level;  ///< core by core: TRVs, IST, data cache, rasteriser
   std::vector<L2Store> l2;             ///< by bank
   std::vector<L2Store> slc;            ///< by slice of the system cache, which may hold dirty lines
 };
@@ -126,6 +126,7 @@ class Gpu {
     sim::Link<TileDone>& tiles_out;
     Srp* srp = nullptr;
     Dma* dma = nullptr;
+    RasterUnit* raster = nullptr;  ///< null: the core has no rasteriser
   };
   /// The links of a direct interface, or the links between each end and a memory interface.
   struct Interface {

@@ -190,6 +190,9 @@ class RasterFetch {
     return l1_.next_send_time(next, out);
   }
   std::string state() const;
+  const CacheTags& l1_tags() const { return l1_.tags(); }
+  /// Replaces the cached lines, before the first cycle.
+  void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
 
  private:
   enum Stage : std::uint8_t { kList, kIndices, kVertices, kStages };
@@ -293,6 +296,9 @@ class RasterUnit {
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return !has_jobs() && writes_.empty(); }
   std::string state() const;
+  const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
+  /// Replaces the cached lines, before the first cycle.
+  void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
 
  private:
   struct Job {
