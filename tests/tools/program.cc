@@ -123,6 +123,12 @@ Ending Program::wait() {
 
 Ending raywatt(const Words& arguments, const Surroundings& around) { return Program(arguments, around).wait(); }
 
+std::string output_of(const Words& arguments, const Surroundings& around) {
+  const Ending ending = raywatt(arguments, around);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending.out;
+}
+
 Words small_run(const std::filesystem::path& out, const Words& more) {
   Words words = {"run", "--resolution", "64x32", "--threads", "1", "-o", out.string()};
   words.insert(words.end(), more.begin(), more.end());

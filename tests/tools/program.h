@@ -68,6 +68,8 @@ class Program {
 
 /// Runs the program to its end.
 Ending raywatt(const Words& arguments, const Surroundings& around = {});
+/// Runs the program and returns its stdout. Expects exit code 0.
+std::string output_of(const Words& arguments, const Surroundings& around = {});
 
 /// A run that is over in a moment: 64 x 32 pixels on one thread, results to `out`.
 Words small_run(const std::filesystem::path& out, const Words& more = {});

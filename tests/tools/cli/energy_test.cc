@@ -13,12 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string output_of(const Words& words) {
-  const Ending ending = raywatt(words);
-  EXPECT_EQ(ending.exit, 0) << ending.err;
-  return ending.out;
-}
-
 TEST(EnergyShow, HasBandUnitSourceAndCounters) {
   const std::string text = output_of({"energy", "show", "tni.box_test"});
   EXPECT_SAYS(text, "7.9 / 24 / 50 pJ");

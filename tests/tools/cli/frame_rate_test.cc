@@ -11,12 +11,6 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-std::string output_of(const Words& words) {
-  const Ending ending = raywatt(words);
-  EXPECT_EQ(ending.exit, 0) << ending.err;
-  return ending.out;
-}
-
 Json totals_of(const fs::path& out, Words more) {
   more.emplace_back("--quiet");
   output_of(small_run(out, more));

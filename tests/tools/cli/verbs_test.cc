@@ -11,7 +11,7 @@
 namespace test {
 namespace {
 
-std::string output_of(const Words& arguments, const Surroundings& around = {}) {
+std::string silent_output_of(const Words& arguments, const Surroundings& around = {}) {
   const Ending ending = raywatt(arguments, around);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.err, "");
@@ -19,29 +19,29 @@ std::string output_of(const Words& arguments, const Surroundings& around = {}) {
 }
 
 TEST(Help, OfEveryVerbEndsWellWithAnExample) {
-  const std::string all = output_of({"--help"});
+  const std::string all = silent_output_of({"--help"});
   for (const char* verb : {"run", "verify", "scenes", "config", "kernels", "bench", "trace", "microbench"}) {
     EXPECT_SAYS(all, std::string("  ") + verb + " ");
-    EXPECT_SAYS(output_of({verb, "--help"}), std::string("Example: raywatt ") + verb + " ");
+    EXPECT_SAYS(silent_output_of({verb, "--help"}), std::string("Example: raywatt ") + verb + " ");
   }
 }
 
 TEST(Help, OfRunShowsTheDefaults) {
-  const std::string help = output_of({"run", "--help"});
+  const std::string help = silent_output_of({"run", "--help"});
   for (const char* part : {"sgrt-2016", "cornell", "full:1", "1024x512", "all cores", "raywatt-out/"}) {
     EXPECT_SAYS(help, part);
   }
 }
 
 TEST(Version, IsOneLine) {
-  const std::string version = output_of({"--version"});
+  const std::string version = silent_output_of({"--version"});
   EXPECT_TRUE(version.starts_with("raywatt ")) << version;
   EXPECT_EQ(std::ranges::count(version, '\n'), 1) << version;
 }
 
 // Most of the startup time is symbol lookup of the dynamic linker, which grows with the number of libraries.
 TEST(Version, LoadsNoLibrariesOfImages) {
-  const std::string libraries = output_of({"--version"}, {.variables = {{"LD_TRACE_LOADED_OBJECTS", "1"}}});
+  const std::string libraries = silent_output_of({"--version"}, {.variables = {{"LD_TRACE_LOADED_OBJECTS", "1"}}});
   EXPECT_SAYS(libraries, "libembree");
   EXPECT_EQ(libraries.find("libOpenImageIO"), std::string::npos) << libraries;
   EXPECT_LE(std::ranges::count(libraries, '\n'), 30) << libraries;
@@ -49,7 +49,7 @@ TEST(Version, LoadsNoLibrariesOfImages) {
 
 TEST(Streams, TheTableGoesToStdoutAndIntoAFile) {
   const TempFolder folder;
-  const std::string table = output_of(small_run(folder.path() / "out"));
+  const std::string table = silent_output_of(small_run(folder.path() / "out"));
   EXPECT_TRUE(table.starts_with(read_bytes(folder.path() / "out" / "report.txt")));
   for (const char* part : {"cycles", "rays", "limited by", "energy", "dram", "combine_shadow", "image.png"}) {
     EXPECT_SAYS(table, part);
@@ -69,7 +69,7 @@ TEST(Streams, WarningsGoToStderr) {
 
 TEST(Streams, QuietPrintsNothing) {
   const TempFolder folder;
-  EXPECT_EQ(output_of(small_run(folder.path() / "out", {"--quiet"})), "");
+  EXPECT_EQ(silent_output_of(small_run(folder.path() / "out", {"--quiet"})), "");
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
 }
 
@@ -101,8 +101,8 @@ TEST(Outputs, ThatCannotBeBegunEndEveryVerbWith2AndNothingIsWritten) {
 
 TEST(Set, ChangesOneFieldAndTheLastOneCounts) {
   const TempFolder folder;
-  output_of(small_run(folder.path() / "out", {"--set", "cores=3", "--set", "l2.size=128 KiB", "--set", "cores=2",
-                                              "--set", "clocks.tni=250 MHz", "--set", "power.voltage=dvfs"}));
+  silent_output_of(small_run(folder.path() / "out", {"--set", "cores=3", "--set", "l2.size=128 KiB", "--set", "cores=2",
+                                                     "--set", "clocks.tni=250 MHz", "--set", "power.voltage=dvfs"}));
   const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
   EXPECT_EQ(report["config"]["cores"], 2);
   EXPECT_EQ(report["config"]["l2"]["size"], "128 KiB");
@@ -112,14 +112,14 @@ TEST(Set, ChangesOneFieldAndTheLastOneCounts) {
 }
 
 TEST(Set, ExtendsTakesAnotherGradeOfMemoryByName) {
-  const std::string config = output_of({"config", "show", "--set", "dram.extends=dram/lpddr3-1600"});
+  const std::string config = silent_output_of({"config", "show", "--set", "dram.extends=dram/lpddr3-1600"});
   EXPECT_SAYS(config, "grade: \"LPDDR3-1600\"");
 }
 
 TEST(Extends, ListsOnlyWhatDiffers) {
   const TempFolder folder;
   const std::string file = folder.write("small.yaml", "extends: sgrt-2016\ncores: 1\ndram: {channels: 2}\n").string();
-  const std::string config = output_of({"config", "show", file});
+  const std::string config = silent_output_of({"config", "show", file});
   EXPECT_SAYS(config, "cores: 1  #");
   EXPECT_SAYS(config, "channels: 2  #");
   EXPECT_SAYS(config, "grade: \"LPDDR4-3200\"");
@@ -138,7 +138,7 @@ TEST(Camera, IsChosenByNameOrIndex) {
   const auto picture = [&](const Words& camera) {
     Words words = {"--scene", scene};
     words.insert(words.end(), camera.begin(), camera.end());
-    output_of(small_run(folder.path() / "out", words));
+    silent_output_of(small_run(folder.path() / "out", words));
     return read_bytes(folder.path() / "out" / "image.exr");
   };
   EXPECT_EQ(picture({"--camera", "near"}), picture({"--camera", "0"}));
@@ -150,7 +150,8 @@ TEST(Camera, IsChosenByNameOrIndex) {
 TEST(ConfigManual, IsThePageInTheDocumentation) {
   const std::string page = read_bytes("docs/manual.md"), mark = "<!-- generated -->\n\n";
   ASSERT_NE(page.find(mark), std::string::npos);
-  EXPECT_EQ(page.substr(page.find(mark) + mark.size()), output_of({"config", "manual"})) << "docs/refresh writes it";
+  EXPECT_EQ(page.substr(page.find(mark) + mark.size()), silent_output_of({"config", "manual"}))
+      << "docs/refresh writes it";
 }
 
 TEST(LookUp, FindsConfigurationsAndScenesInTheFoldersOfRaywattPath) {
@@ -159,21 +160,21 @@ TEST(LookUp, FindsConfigurationsAndScenesInTheFoldersOfRaywattPath) {
   second.write("triangle.glb", TinyGltf().glb());
   const Surroundings around{
       first.path(), {{"RAYWATT_PATH", first.path().string() + ":" + second.path().string()}}, 0, {}};
-  EXPECT_SAYS(output_of({"config", "list"}, around), "mine\n");
-  EXPECT_SAYS(output_of({"config", "show", "mine"}, around), "cores: 3  #");
-  EXPECT_SAYS(output_of({"scenes", "info", "triangle"}, around), "triangles         1\n");
+  EXPECT_SAYS(silent_output_of({"config", "list"}, around), "mine\n");
+  EXPECT_SAYS(silent_output_of({"config", "show", "mine"}, around), "cores: 3  #");
+  EXPECT_SAYS(silent_output_of({"scenes", "info", "triangle"}, around), "triangles         1\n");
   expect_refusal(raywatt({"config", "show", "mine"}), {"no configuration is called 'mine'"});
   first.write("mine.yaml", "extends: sgrt-2016\ncores: 2\n");
-  EXPECT_SAYS(output_of({"config", "show", "mine"}, around), "cores: 2  #") << "the first folder comes first";
+  EXPECT_SAYS(silent_output_of({"config", "show", "mine"}, around), "cores: 2  #") << "the first folder comes first";
 }
 
 TEST(LookUp, ABareNameIsNeverAFileOfTheWorkingFolder) {
   const TempFolder folder;
   folder.write("sgrt-2016", "cores: 3\n");
-  EXPECT_SAYS(output_of({"config", "show", "sgrt-2016"}, {folder.path(), {}, 0, {}}), "cores: 4  #");
+  EXPECT_SAYS(silent_output_of({"config", "show", "sgrt-2016"}, {folder.path(), {}, 0, {}}), "cores: 4  #");
   const TempFolder other;
   other.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
-  EXPECT_SAYS(output_of({"config", "show", "mine.yaml"}, {other.path(), {}, 0, {}}), "cores: 3  #");
+  EXPECT_SAYS(silent_output_of({"config", "show", "mine.yaml"}, {other.path(), {}, 0, {}}), "cores: 3  #");
 }
 
 /// Expects the schema to have every key of the value, and no undeclared one.
@@ -187,15 +188,15 @@ void expect_known(const nlohmann::json& schema, const nlohmann::json& value, con
 
 TEST(Config, SchemaIsJsonWithEveryKeyOfTheDefaultMachine) {
   const TempFolder folder;
-  const nlohmann::json schema = nlohmann::json::parse(output_of({"config", "schema"}));
+  const nlohmann::json schema = nlohmann::json::parse(silent_output_of({"config", "schema"}));
   EXPECT_SAYS(schema["$schema"].get<std::string>(), "2020-12");
   EXPECT_EQ(schema["additionalProperties"], false);
-  output_of({"run", "--resolution", "16x16", "--quiet", "-o", (folder.path() / "out").string()});
+  silent_output_of({"run", "--resolution", "16x16", "--quiet", "-o", (folder.path() / "out").string()});
   expect_known(schema, read_json(folder.path() / "out" / "report.json")["config"], "");
 }
 
 TEST(Config, ManualHasARowForEveryKindOfThing) {
-  const std::string manual = output_of({"config", "manual"});
+  const std::string manual = silent_output_of({"config", "manual"});
   for (const char* part : {"`rays`", "input buffer", "MHz", "KiB", "timing", "energy", "function"}) {
     EXPECT_SAYS(manual, part);
   }
@@ -203,29 +204,30 @@ TEST(Config, ManualHasARowForEveryKindOfThing) {
 
 TEST(Config, ShowIsAFileThatShowsTheSameAgain) {
   const TempFolder folder;
-  const std::string shown = output_of({"config", "show"});
-  EXPECT_EQ(output_of({"config", "show", folder.write("again.yaml", shown).string()}), shown);
+  const std::string shown = silent_output_of({"config", "show"});
+  EXPECT_EQ(silent_output_of({"config", "show", folder.write("again.yaml", shown).string()}), shown);
 }
 
 TEST(Kernels, ListHasEveryKernelWithItsSchedule) {
-  const std::string list = output_of({"kernels", "list"});
+  const std::string list = silent_output_of({"kernels", "list"});
   for (const char* part : {"kernel", "II", "depth", "generate_rays", "shade_glass", "average_colour"}) {
     EXPECT_SAYS(list, part);
   }
-  EXPECT_NE(output_of({"kernels", "list", "--set", "srp.array.mul_units=1"}), list) << "schedules are this array's";
+  EXPECT_NE(silent_output_of({"kernels", "list", "--set", "srp.array.mul_units=1"}), list)
+      << "schedules are this array's";
 }
 
 TEST(Kernels, ShowHasTheGraph) {
-  const std::string shown = output_of({"kernels", "show", "shade_diffuse"});
+  const std::string shown = silent_output_of({"kernels", "show", "shade_diffuse"});
   EXPECT_TRUE(shown.starts_with("shade_diffuse: ")) << shown;
   for (const char* part : {"II ", "depth ", "mul", "shadow_rays"}) EXPECT_SAYS(shown, part);
 }
 
 TEST(Scenes, ListAndInfo) {
-  const std::string list = output_of({"scenes", "list"});
+  const std::string list = silent_output_of({"scenes", "list"});
   EXPECT_SAYS(list, "cornell");
   EXPECT_SAYS(list, "teapot");
-  const std::string info = output_of({"scenes", "info", "cornell"});
+  const std::string info = silent_output_of({"scenes", "info", "cornell"});
   for (const char* part : {"triangles", "lights", "'front'", "BVH", "SAH cost"}) EXPECT_SAYS(info, part);
 }
 
