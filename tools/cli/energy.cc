@@ -25,11 +25,11 @@ void add_price(CLI::App& group) {
   };
   const auto o = std::make_shared<PriceOptions>();
   CLI::App* verb = group.add_subcommand(
-      "price", "Energy of finished runs and sweeps under another table, from their counters, without simulation");
+      "price", "Recalculate the energy of finished runs and sweeps with another table, without simulation");
   verb->add_option("runs", o->paths, "folders of runs or of sweeps, or report.json files")->required();
   verb->add_option("--energy", o->table.energy, "energy table, e.g. energy/14nm or a file")->type_name("FILE");
   verb->add_option("--set", o->table.sets,
-                   "set a key that only affects energy; a single number has no band (repeatable)")
+                   "set a key that only affects energy; a single number sets low, nominal and high (repeatable)")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   CLI::Option* csv = verb->add_flag("--csv", o->csv, "print CSV, one line per run, with all digits");
@@ -51,8 +51,9 @@ void add_show(CLI::App& group) {
   const auto o = std::make_shared<ShowOptions>();
   CLI::App* verb = group.add_subcommand(
       "show", "Show energy tables: bands, curves over size, sources, and the counters that use each entry");
-  verb->add_option("event", o->name,
-                   "an entry, its end or its group, e.g. tni.box_test, cache, clock_share; default: all");
+  verb->add_option(
+      "event", o->name,
+      "an entry, a unique end of its name, or a group, e.g. tni.box_test, cache, clock_share; default: all");
   verb->add_option("--config", o->job.config, "configuration: file or name")->type_name("CONFIG");
   add_set_option(*verb, o->job.sets);
   verb->footer("Example: raywatt energy show cache.l1_read\nExit code 0, or 2 if there is no such entry.");
@@ -65,7 +66,7 @@ void add_show(CLI::App& group) {
 }  // namespace
 
 void add_energy(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("energy", "Show energy tables, and price finished runs under other tables");
+  CLI::App* verb = app.add_subcommand("energy", "Show energy tables, and recalculate the energy of finished runs");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt energy show tni.box_test");
   add_price(*verb);
@@ -74,7 +75,7 @@ void add_energy(CLI::App& app) {
 
 void add_dvfs(CLI::App& app) {
   CLI::App* verb =
-      app.add_subcommand("dvfs", "Frame rate and power over clock frequency, each clock at the voltage that it needs");
+      app.add_subcommand("dvfs", "Simulate frame rate and power at several clocks, each at the voltage that it needs");
   const auto options = std::make_shared<DvfsOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, options->job);
@@ -101,7 +102,8 @@ void add_dvfs(CLI::App& app) {
 }
 
 void add_sustain(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("sustain", "Frame rate and temperature over minutes, under a thermal governor");
+  CLI::App* verb =
+      app.add_subcommand("sustain", "Calculate frame rate and temperature over minutes with a thermal governor");
   const auto options = std::make_shared<SustainOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, options->job);
@@ -112,9 +114,9 @@ void add_sustain(CLI::App& app) {
   require_positive(*verb->add_option("--loop", options->loop, "seconds over which frame rates are averaged")
                         ->capture_default_str()
                         ->type_name("NUMBER"));
-  require_positive(
-      *verb->add_option("--fps", options->fps, "highest frame rate (default: each frame begins when the last ends)")
-           ->type_name("NUMBER"));
+  require_positive(*verb->add_option("--fps", options->fps,
+                                     "highest frame rate (default: each frame begins when the previous one ends)")
+                        ->type_name("NUMBER"));
   verb->add_flag("--json", *json, "print JSON");
   add_progress_option(*verb, options->job.progress);
   verb->footer("Example: raywatt sustain sgrt-2016 --scene chess --resolution 512x256 --set thermal.body_limit=40");

@@ -14,8 +14,10 @@
 namespace tools {
 
 void add_progress_option(CLI::App& verb, std::string& progress) {
-  verb.add_option("--progress", progress,
-                  "auto: a bar on a terminal after two seconds; json: lines of JSON on standard error; none: nothing")
+  verb.add_option(
+          "--progress", progress,
+          "auto: show a bar on a terminal after two seconds; json: write lines of JSON to standard error; none:\n"
+          "show nothing")
       ->check(CLI::IsMember({"auto", "json", "none"}))
       ->capture_default_str();
 }
@@ -26,7 +28,8 @@ void add_config_options(CLI::App& verb, std::string& config, std::vector<std::st
 }
 
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
-  verb.add_option("--set", sets, "change one field: KEY=VALUE, e.g. cores=2 or tni.trv.l1.size='32 KiB' (repeatable)")
+  verb.add_option("--set", sets,
+                  "set a configuration key: KEY=VALUE, e.g. cores=2 or tni.trv.l1.size='32 KiB' (repeatable)")
       ->allow_extra_args(false)
       ->check({[](const std::string& set) {
                  const bool is_key = !set.empty() && set.find('=') == std::string::npos;
@@ -51,12 +54,12 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
   verb.add_option("--scene", options.scene,
                   "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)")
       ->check(not_empty("allowed: a name"));
-  verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
+  verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: the first)");
   verb.add_option(
           "--program", options.program,
           "frame program: full:N traces N samples per pixel (N a square); multirate:under, multirate:super,\n"
-          "undersample and supersample trace where neighbours differ; reconstruct and reconstruct:sraa shade one\n"
-          "sample per pixel and use the geometry of four (docs/adaptive.md)")
+          "undersample and supersample trace only samples whose neighbours differ; reconstruct and reconstruct:sraa\n"
+          "shade one sample per pixel and use the geometry of four (docs/adaptive.md)")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
@@ -78,7 +81,7 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
   std::vector<std::string> names;
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) names.emplace_back(resource.name);
   verb.add_option("--ideal", options.ideal,
-                  "make this resource ideal, for an upper bound (repeatable, or separated by commas)")
+                  "make this resource ideal, to get an upper bound of performance (repeatable, or separated by commas)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
@@ -87,15 +90,16 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
 void add_output_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)")
       ->check(not_empty("allowed: a folder"));
-  verb.add_flag("--force", options.force, "also write into a folder that has other files, which stay");
-  verb.add_flag("--quiet", options.quiet, "no table, no bar");
+  verb.add_flag("--force", options.force, "write into the folder even if it has other files, which are kept");
+  verb.add_flag("--quiet", options.quiet, "print no table and no progress bar");
   add_progress_option(verb, options.progress);
 }
 
 void add_intervals_option(CLI::App& verb, JobOptions& options) {
   verb.add_option_function<std::string>(
           "--intervals", [&options](const std::string& choice) { options.intervals = choice == "on"; },
-          "on: write the counters of every unit over time to intervals.bin.zst (docs/intervals.md); off: do not")
+          "on: write the counters of every unit over time to intervals.bin.zst (docs/intervals.md); off: do not\n"
+          "write it")
       ->check(CLI::IsMember({"on", "off"}))
       ->default_str("on");
 }
@@ -103,7 +107,7 @@ void add_intervals_option(CLI::App& verb, JobOptions& options) {
 void add_rays_option(CLI::App& verb, JobOptions& options) {
   CLI::Option* rays = verb.add_option(
       "--rays", options.rays,
-      "trace the rays of this file, 8 floats each (origin, t_min, direction, t_max), on the T&I units only");
+      "trace the rays of this file on the T&I units only; a ray is 8 floats: origin, t_min, direction, t_max");
   for (const char* other :
        {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
         "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline", "--fps"}) {
@@ -128,13 +132,16 @@ void add_launcher_options(CLI::App& verb, LauncherOptions& options) {
   verb.add_option("--launcher", options.launcher, "local: processes on this host; slurm: a job array")
       ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
-  verb.add_option("-j,--jobs", options.jobs,
-                  "points computed concurrently (default: all cores); slurm: concurrent tasks of an array")
+  verb.add_option(
+          "-j,--jobs", options.jobs,
+          "local: number of points computed concurrently (default: all cores); slurm: maximum number of concurrent\n"
+          "tasks")
       ->check(CLI::Range(1, 1024));
   verb.add_option("--slurm-args", options.slurm_arguments,
                   "slurm: options for sbatch, e.g. --slurm-args \"--partition=short --time=1:00:00\"")
       ->allow_extra_args(false);
-  verb.add_option("--chunk", options.chunk, "slurm: points per task (default: enough for a hundred tasks)")
+  verb.add_option("--chunk", options.chunk,
+                  "slurm: points per task (default: points are divided among a hundred tasks)")
       ->check(CLI::Range(1, 1'000'000));
   verb.add_flag("--retry-failed", options.retry_failed, "compute failed points again");
 }

@@ -264,7 +264,7 @@ void export_scene(const ExportOptions& options) {
 CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, Wanted& wanted) {
   CLI::App* sub = verb.add_subcommand(name, description);
   sub->add_option("scene", wanted.job.scene, "built-in scene, workload, or .gltf or .glb file")->required();
-  sub->add_option("--set", wanted.job.sets, "change one field, e.g. scene.triangles=100000 (repeatable)")
+  sub->add_option("--set", wanted.job.sets, "set a configuration key, e.g. scene.triangles=100000 (repeatable)")
       ->allow_extra_args(false);
   return sub;
 }

@@ -29,16 +29,17 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
       "sampling (debug-similar.png, debug-check-NAME.png, ...)");
   verb->add_option("--tile-sampling", options->tile_sampling,
                    "simulate some of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
-                   "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)")
+                   "frame's work, e.g. 5%, or auto, which adds tiles until the intervals are +-2 % (docs/sampling.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 5%, auto") : ""; });
-  verb->add_option("--image", options->image,
-                   "with --tile-sampling: full renders all tiles, none only those that are needed")
+  verb->add_option(
+          "--image", options->image,
+          "with --tile-sampling: full renders all tiles; none renders only tiles that are simulated or warm caches,\n"
+          "and writes no picture")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
-  verb->add_option(
-          "--slices", options->slices,
-          "split the frame's tiles into this number of slices, simulate them concurrently on machines of their own\n"
-          "and add them up, with 95 % intervals: a number, or auto (docs/slices.md)")
+  verb->add_option("--slices", options->slices,
+                   "split the frame's tiles into this number of slices, simulate them concurrently, each on its own\n"
+                   "machine, and add the results, with 95 % intervals: a number, or auto (docs/slices.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 2, auto") : ""; });
   verb->add_option("--replicates", options->replicates,
                    "simulate the frame this number of times, all but the first with small timing perturbations, and\n"
@@ -46,9 +47,10 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
   add_intervals_option(*verb, *options);
-  verb->add_flag("--watch", options->watch,
-                 "show the picture so far, utilisation and power of the last interval, and the expected end; a line\n"
-                 "every two seconds if standard output is not a terminal")
+  verb->add_flag(
+          "--watch", options->watch,
+          "show the unfinished picture, utilisation and power of the last interval, and the expected end; print a\n"
+          "line every two seconds if standard output is not a terminal")
       ->excludes(verb->get_option("--progress"), verb->get_option("--quiet"));
   add_timeline_option(*verb, *options);
   verb->add_flag("--json", options->json, "print the totals of report.json as JSON instead of the table");
@@ -121,7 +123,7 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   add_output_options(*verb, *options);
   add_timeline_option(*verb, *options);
   verb->footer(
-      "Without CONFIG, the recorded machine is used. Keys that change the work must be as recorded.\n\n"
+      "Without CONFIG, the recorded machine is used. Keys that change the work must have their recorded values.\n\n"
       "Example: raywatt trace replay chess.trace --set cores=2 -o out/two-cores");
   verb->callback([=] {
     options->config = arguments->has_config() ? arguments->words.front() : "";

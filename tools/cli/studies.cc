@@ -57,7 +57,9 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   options->argv = argv;
   verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, chiu, sgrt-units or hybrid")->required();
   verb->add_option("--scenes", options->scenes, "folder of .glb files for scenes without a built-in substitute");
-  verb->add_flag("--quick", options->quick, "run some experiments at a sixteenth of the resolution, as a quick check");
+  verb->add_flag(
+      "--quick", options->quick,
+      "run only some experiments, at a sixteenth of the resolution and with fewer triangles, as a quick check");
   verb->add_option("--shrink", options->shrink, "divide width and height of all pictures by this number")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
@@ -65,12 +67,12 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
       ->capture_default_str();
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   verb->add_option("-o,--output", options->out, "folder for the results (default: a dated one below raywatt-out/)");
-  verb->add_flag("--force", options->force, "also write into a folder that has other files, which stay");
+  verb->add_flag("--force", options->force, "write into the folder even if it has other files, which are kept");
   add_progress_option(*verb, options->progress);
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"
       "Whole papers take hours. Finished rows are kept: the same command continues from them after an interrupt,\n"
-      "and starts over once all rows are there (docs/reproduce.md).");
+      "and starts again when all rows are finished (docs/reproduce.md).");
   verb->callback([options] { reproduce::reproduce(*options); });
 }
 
@@ -89,10 +91,10 @@ void add_optimise(CLI::App& app, int& exit) {
       ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
   refuse_negative(*verb->add_option("--seed", options->seed, "random seed (default: the file's, or 1)"));
   verb->add_option("--fidelity", options->fidelity,
-                   "sampled: evaluate points by tile sampling first (default: the file's)")
+                   "sampled: first estimate points by tile sampling (default: as in the file)")
       ->check(CLI::IsMember({"full", "sampled"}));
   add_fps_option(*verb, options->sets);
-  verb->add_flag("--quiet", options->quiet, "no table, no bar");
+  verb->add_flag("--quiet", options->quiet, "print no table and no progress bar");
   add_progress_option(*verb, options->progress);
   verb->footer(
       "The same command continues an interrupted search. Exit code 1 if no point meets the constraints, or points\n"
@@ -127,16 +129,17 @@ void add_bench(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);
   add_config_options(*verb, options->job.config, options->job.sets);
   verb->add_option("--scene", options->scenes, "scenes to measure (repeatable)")->capture_default_str();
-  verb->add_option("--program", options->job.program, "frame program, as of raywatt run")->capture_default_str();
+  verb->add_option("--program", options->job.program, "frame program, as in raywatt run")->capture_default_str();
   verb->add_option("--resolution", options->job.resolution, "WIDTHxHEIGHT (default: the configuration's)");
   verb->add_option("--threads", options->job.threads, "host threads of the whole run (default: all cores)")
       ->check(CLI::Range(1, 1024));
   verb->add_option("--runs", options->runs, "rounds; results are medians over them")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  verb->add_option("--against", options->against, "JSON of another build; also print the ratio of each result");
-  CLI::Option* saved_metrics =
-      verb->add_option("--measured", options->saved_metrics, "JSON of this build, instead of measuring");
+  verb->add_option("--against", options->against,
+                   "results of another build (JSON): also print the ratio of each result");
+  CLI::Option* saved_metrics = verb->add_option("--measured", options->saved_metrics,
+                                                "read the results of this build from JSON instead of measuring");
   for (const char* of_measuring : {"config", "--set", "--scene", "--program", "--resolution", "--threads", "--runs"}) {
     saved_metrics->excludes(verb->get_option(of_measuring));
   }
@@ -243,7 +246,7 @@ void run_comparison(const CompareOptions& options) {
 
 void add_compare(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
-      "compare", "Compare runs: changes of cycles, energy and pictures, and the counters that explain them");
+      "compare", "Compare runs: print changes of cycles, energy and pictures, and the counters that explain them");
   const auto options = std::make_shared<CompareOptions>();
   verb->add_option("runs", options->paths, "folders of runs, or report.json files; all are compared with the first")
       ->required()
@@ -296,11 +299,11 @@ void add_baseline(CLI::App& app, int& exit) {
   step = add_step(*verb, "check", "Compute a suite and report changed values, and the unit that changed", options, exit,
                   check_baseline);
   step->add_option("--junit", options->junit,
-                   "also write the result as JUnit XML into this file: a new one, or one of an earlier check");
-  step->add_flag("--force", options->force, "replace any file of that name");
+                   "also write the result to this file as JUnit XML; replaces only a file of an earlier check");
+  step->add_flag("--force", options->force, "with --junit: replace any file of that name");
   step->footer(
       "Example: raywatt baseline check tests/baseline/suite.yaml --junit baseline.xml\n"
-      "Exit code 0: nothing changed; 1: something changed; 2: stored values are missing or of other inputs.");
+      "Exit code 0: nothing changed; 1: something changed; 2: stored values are missing or belong to other inputs.");
   step = add_step(*verb, "accept", "Show changed values and store them", options, exit, accept_baseline);
   step->footer("Example: raywatt baseline accept tests/baseline/suite.yaml");
   verb->footer("Example: raywatt baseline check tests/baseline/suite.yaml");
@@ -358,7 +361,7 @@ Json bottleneck_json(const Bottleneck& b) {
 
 void add_bottleneck(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
-      "bottleneck", "Speed-up of a frame if one resource is ideal, for each resource, and what limits the frame");
+      "bottleneck", "Measure the speed-up of a frame by each ideal resource, and print what limits the frame");
   const auto options = std::make_shared<JobOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, *options);

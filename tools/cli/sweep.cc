@@ -39,7 +39,7 @@ void add_sweep_run(CLI::App& group, int& exit) {
   add_fps_option(*verb, options->sets);
   resume->excludes(verb->get_option("--fps"));
   verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
-  verb->add_flag("--quiet", options->quiet, "no summary, no bar");
+  verb->add_flag("--quiet", options->quiet, "print no summary and no progress bar");
   add_progress_option(*verb, options->progress);
   verb->footer(
       "The same command continues an interrupted sweep. Exit code 1, and a list, if points failed.\n\n"
@@ -131,7 +131,7 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
 void add_energy_option(CLI::App& verb, bool& band) {
   verb.add_option_function<std::string>(
           "--energy", [&band](const std::string& word) { band = word == "band"; },
-          "nominal: by nominal energies; band: also the probability over 2000 random draws of the energy tables")
+          "nominal: use nominal energies; band: also evaluate 2000 random energy tables (docs/energy.md)")
       ->check(CLI::IsMember({"nominal", "band"}))
       ->default_str("nominal");
 }
@@ -154,8 +154,9 @@ void add_table(CLI::App& group) {
     fs::path folder;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "table", "Print points with axes and metrics of their reports", o->folder);
-  verb->add_option("--columns", o->columns, "n, id, status, error, axes, report paths or ends of them")
+  CLI::App* verb = add_query(group, "table", "Print the points with their axes and metrics", o->folder);
+  verb->add_option("--columns", o->columns,
+                   "columns to print: n, id, status, error, axes, report paths or unique ends of paths")
       ->delimiter(',')
       ->type_name("A,B,...");
   verb->add_option("--sort", o->sort, "column to sort by; largest first with :desc")->type_name("COLUMN[:desc]");
@@ -199,7 +200,9 @@ void add_sensitivity(CLI::App& group) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "sensitivity", "Print the effect of each axis on each metric", o->folder);
-  verb->add_option("--metric", o->metrics, "a report path (repeatable)")->allow_extra_args(false)->type_name("PATH");
+  verb->add_option("--metric", o->metrics, "metric: a report path or a unique end of one (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("PATH");
   add_where(*verb, o->where);
   add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep sensitivity out/l1 --metric cycles --metric dram_bytes");
@@ -234,8 +237,8 @@ void add_best(CLI::App& group) {
 }  // namespace
 
 void add_sweep(CLI::App& app, int& exit) {
-  CLI::App* verb =
-      app.add_subcommand("sweep", "Run a design space: axes, conditions, subsets; stored results are reused");
+  CLI::App* verb = app.add_subcommand(
+      "sweep", "Simulate the points of a design space and evaluate the results; stored results are reused");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt sweep run trv-cores -o out/trv-cores");
   add_sweep_run(*verb, exit);

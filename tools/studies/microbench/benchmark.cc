@@ -89,7 +89,7 @@ std::string findings_json(std::string_view benchmark, const Findings& findings) 
                          {"good", findings.is_good()}});
 }
 
-BenchmarkOption json_option() { return {"--json", "as JSON", &BenchmarkJob::json}; }
+BenchmarkOption json_option() { return {"--json", "print JSON", &BenchmarkJob::json}; }
 
 RunConfig machine_without_ideals(const JobOptions& job) {
   RunConfig config = load_run_config(job);

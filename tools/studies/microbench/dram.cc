@@ -297,7 +297,7 @@ Findings measure_channel(const BenchmarkJob& job) {
 Benchmark dram_benchmark() {
   return {
       "dram",
-      "A memory channel alone: the limits of its grade, or a file of requests",
+      "Latency, bandwidth and energy of one memory channel, or the time of each request of a file",
       "All requests go to one channel, in the order of the file. Addresses are within the channel: they have no "
       "channel\n"
       "bits, and bits above the capacity are ignored. A request is for the line (dram.line) of its byte. It is done\n"
@@ -313,15 +313,15 @@ Benchmark dram_benchmark() {
         "optionally the earliest time in ns. Without it: a table of measurements and closed forms",
         &BenchmarkJob::stream},
        {"--outstanding",
-        "requests in flight, at most; a write is done when the channel has taken it\n(default: "
+        "maximum number of requests in flight; a write ends when the channel accepts it\n(default: "
         "dram.controller.read_queue)",
         &BenchmarkJob::outstanding,
         false,
         {},
         65536},
-       {"--all-grades", "energy of each speed grade in configs/dram", &BenchmarkJob::all_grades},
+       {"--all-grades", "measure the energy of each speed grade in configs/dram", &BenchmarkJob::all_grades},
        {"--refresh", "off: no refreshes", &BenchmarkJob::refresh, true, {"on", "off"}},
-       {"--json", "as JSON, with every request's completion time", &BenchmarkJob::json}},
+       {"--json", "print JSON, with every request's completion time", &BenchmarkJob::json}},
       measure_channel};
 }
 

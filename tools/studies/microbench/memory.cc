@@ -388,16 +388,15 @@ Findings measure_bandwidth(const JobOptions& job, bool all_grades) {
 }  // namespace
 
 Benchmark bandwidth_benchmark() {
-  return {
-      "bandwidth",
-      "Lines per second from DRAM through the L2 to all cores, streamed and random",
-      "Every first-level cache of every core requests lines that no cache has, as fast as its miss registers allow.\n"
-      "The bound is the smallest of the rates of ports, caches, miss registers and DRAM. Queues, bank waits and\n"
-      "refreshes reduce the measured rate.\n"
-      "\n"
-      "Example: raywatt microbench bandwidth --all-grades --set cores=8",
-      {json_option(), {"--all-grades", "for each speed grade in configs/dram", &BenchmarkJob::all_grades}},
-      [](const BenchmarkJob& job) { return measure_bandwidth(job.machine, job.all_grades); }};
+  return {"bandwidth",
+          "Lines per second from DRAM through the L2 to all cores, streamed and random",
+          "Every first-level cache of every core requests lines that no cache has, as fast as its MSHRs allow.\n"
+          "The bound is the smallest of the rates of ports, caches, MSHRs and DRAM. Queues, bank waits and\n"
+          "refreshes reduce the measured rate.\n"
+          "\n"
+          "Example: raywatt microbench bandwidth --all-grades --set cores=8",
+          {json_option(), {"--all-grades", "measure with each speed grade in configs/dram", &BenchmarkJob::all_grades}},
+          [](const BenchmarkJob& job) { return measure_bandwidth(job.machine, job.all_grades); }};
 }
 
 namespace {
@@ -451,7 +450,7 @@ Findings measure_misses(hw::GpuConfig config) {
 
 Benchmark mshr_benchmark() {
   return {"mshr",
-          "Misses per second of one first-level cache, by its number of miss registers",
+          "Misses per second of one first-level cache, by its number of MSHRs",
           "The cache of one traversal unit misses as fast as it can; all other units are idle. The L2 has a constant\n"
           "latency, so the closed form is exact. A line in DRAM sometimes opens a row, which the form ignores.\n"
           "There are no refreshes and no power-down, and the L2 is large enough.\n"
