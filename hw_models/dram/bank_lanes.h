@@ -7,11 +7,11 @@
 
 namespace hw {
 
-/// One number for each bank of a DRAM channel, over all ranks. Four banks are processed at a time, without branches. A
-/// set of banks is a bit mask with one bit per bank.
+/// An array with one number for each bank of a DRAM channel, over all ranks. Its functions process four banks at a
+/// time, without branches. A set of banks is passed as a bit mask with one bit per bank.
 class BankLanes {
  public:
-  static constexpr std::uint32_t kMaxBanks = 32;  ///< banks of all ranks
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks of a channel, over all ranks
 
   /// `bank_count`: number of banks of the channel.
   explicit BankLanes(std::uint32_t bank_count) : fours_((bank_count + kWidth - 1) / kWidth) {}
@@ -19,8 +19,8 @@ class BankLanes {
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
-  /// Returns a mask of the banks whose stored number is at most `limit`, which must be below 2^63. Bits above the last
-  /// bank are undefined.
+  /// Returns a mask of the banks whose stored number is at most `limit`. `limit` must be below 2^63. Mask bits above
+  /// the last bank are undefined.
   std::uint32_t banks_at_most(std::uint64_t limit) const {
     return banks_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
   }
@@ -28,21 +28,22 @@ class BankLanes {
   std::uint32_t banks_with_both_at_most(const BankLanes& other, std::uint64_t limit) const {
     return banks_at_most(limit, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the smallest of the numbers that this object stores for the banks in the mask `bank_mask`.
+  /// Returns the smallest number stored for any bank in the mask `bank_mask`.
   std::uint64_t min_of(std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns the minimum, over the banks in the mask `bank_mask`, of max(number in this object, number in `other`).
+  /// Takes, for each bank in the mask `bank_mask`, the larger of its numbers in this object and in `other`. Returns the
+  /// minimum over these banks.
   std::uint64_t min_of_max(const BankLanes& other, std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the bitwise OR of the numbers of the banks in the mask `bank_mask`.
+  /// Returns the bitwise OR of the numbers stored for the banks in the mask `bank_mask`.
   std::uint64_t bitwise_or_of(std::uint32_t bank_mask) const {
     Four any{};
     for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & bank_mask) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
-  /// Raises the numbers of the banks in the mask `bank_mask` to at least `minimum`.
+  /// Raises the number of each bank in the mask `bank_mask` to at least `minimum`.
   void raise_to(std::uint32_t bank_mask, std::uint64_t minimum) {
     const Four bound = Four{} + static_cast<std::int64_t>(minimum);
     Four bit{1, 2, 4, 8};
@@ -52,7 +53,7 @@ class BankLanes {
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
   }
-  /// Replaces the number n of every bank by f(n); the compiler vectorises the loop.
+  /// Replaces the number n of every bank by f(n). The loop is written so that the compiler can vectorise it.
   template <class F>
   void transform_all(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
@@ -60,9 +61,10 @@ class BankLanes {
 
  private:
   static constexpr std::uint32_t kWidth = 4;
-  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, because host vectors compare signed numbers
+  using Four [[gnu::vector_size(32)]] = std::int64_t;  // four numbers; signed, because SIMD comparisons are signed
 
-  /// Calls f(i, bits) for each group i of four banks; `bits` holds the mask bit of each of the four.
+  /// Calls f(i, bits) for each group of four banks: `i` is the group's index, `bits` holds the mask bit of each of its
+  /// banks.
   template <class F>
   void for_each_four(F&& f) const {
     Four bit{1, 2, 4, 8};

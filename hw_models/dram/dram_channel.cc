@@ -101,9 +101,9 @@ inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, b
   return queue.hit_position_mask(bank) != 0 || (queue.request_position_mask(bank) != 0 && !row_is_open);
 }
 
-/// Sends the data of a read to its requester if they are due; sends at most one line per cycle. Fast path: if the link
-/// will have room, the line is pushed early with its future timestamp. This cannot hide a full return queue, which has
-/// room for twice the lines that can be pending.
+/// Sends the line of a read to its requester; at most one line per cycle. If the link will have room at the due time,
+/// the line is pushed at once with that future timestamp. This cannot hide a full return queue, which has room for
+/// twice the lines that can be pending.
 bool DramChannel::send_response(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
@@ -114,8 +114,8 @@ bool DramChannel::send_response(const Return& line, sim::Time now) {
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
-  // While the channel has no scheduled command, refreshes have no visible effect, so the channel need not wake for
-  // them.
+  // While the channel has no scheduled command, it need not wake for refreshes. They are performed at its next tick,
+  // with the same result.
   const Cycle cycle = std::min({next_.start_cycle(), reschedule_at_, next_.is_none() ? sim::kNever : refresh_at_});
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())
@@ -145,15 +145,15 @@ ScheduledCommand DramChannel::best_command(Cycle now) const {
   return scheduler_.best_command(queue, writing_, overdue_cycle(queue) <= now, now);
 }
 
-/// Returns the reason for the cycles in which a DRAM channel's data bus is idle until it next chooses a command.
+/// Returns the reason for idle cycles of the DRAM data bus, valid until the channel next chooses a command.
 DramChannel::CycleReason DramChannel::wait_reason() const {
   if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
   if (next_.is_none()) return CycleReason::kReturnsFull;
   return device_.wait_reason(next_.command_kind(), next_.bank(), writing_, next_.start_cycle());
 }
 
-/// True if the DRAM channel serves its write queue before its read queue. `read_due`, `write_due`: cycle at which the
-/// oldest read and the oldest write exceed the age limit.
+/// True if the DRAM channel serves its write queue before its read queue. `read_due`: cycle at which the oldest read
+/// exceeds the age limit. `write_due`: the same for the oldest write.
 inline bool DramChannel::serves_writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
   if (read_due <= now && write_due <= now) return write_due < read_due;
@@ -189,13 +189,13 @@ inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
   }
 }
 
-/// Closes the row now if the page policy requires it. Called after the last queued hit of the row.
+/// Closes a DRAM row after its last queued hit, if the page policy requires it.
 inline void DramChannel::apply_page_policy(const DramAddress& address) {
   const bool others = (reads_.request_position_mask(address.bank) | writes_.request_position_mask(address.bank)) != 0;
   if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
-/// Books the data bus for the line of a read or write, and counts the transfer.
+/// Books the DRAM data bus for the line of a read or write, and counts the transfer.
 inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
   const MemRequest& r = entry.request;
   const Cycle data =
@@ -224,8 +224,8 @@ inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time 
   }
 }
 
-/// Charges each cycle before `until` to reading or writing while the data bus is busy, otherwise to the reason why the
-/// channel's next command waits.
+/// Charges each cycle before `until` to a reason: reading or writing while the DRAM data bus is busy, otherwise the
+/// reason for which the next command waits.
 void DramChannel::account_until(Cycle until) {
   while (accounted_until_ < until) {
     Cycle end = until;
@@ -252,8 +252,8 @@ std::string DramChannel::state() const {
                      writes_.size(), returns_.size(), device_.open_bank_count(), writing_ ? "writing" : "reading");
 }
 
-/// Performs every refresh of the DRAM channel that is due by `now`, each at its own cycle. The result does not depend
-/// on when this is called.
+/// Performs every refresh of the DRAM channel that is due by `now`, each at the cycle at which it was due. The result
+/// does not depend on the time of the call.
 void DramChannel::run_due_refreshes(Cycle now) {
   const auto due_after = [&](std::uint64_t turns) {
     return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
@@ -305,7 +305,7 @@ std::uint32_t DramChannel::next_bank_to_refresh(std::uint32_t rank) const {
   return static_cast<std::uint32_t>(std::countr_zero(candidates));
 }
 
-/// Updates the request queues after the device has closed these banks.
+/// Updates the row hits of both request queues after the DRAM device has closed the banks in the mask `bank_mask`.
 void DramChannel::note_rows_closed(std::uint32_t bank_mask) {
   for (std::uint32_t left = bank_mask; left != 0; left &= left - 1) {
     const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -314,8 +314,8 @@ void DramChannel::note_rows_closed(std::uint32_t bank_mask) {
   }
 }
 
-/// Puts the DRAM channel into power-down if it has been idle long enough before `now`. Call it before any change of the
-/// channel's state; the time of the call does not affect the result.
+/// Puts the DRAM channel into power-down if it has been idle long enough before `now`. Must be called before any change
+/// of the channel's state. The time of the call does not affect the result.
 void DramChannel::power_down_if_idle(Cycle now) {
   const Cycle due = data_end_ + controller_.power_down_after;
   if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;

@@ -21,7 +21,7 @@
 
 namespace hw {
 
-/// Bursts booked on a DRAM channel's data bus that have not ended yet, in order of time.
+/// Queue of the bursts that are booked on a DRAM channel's data bus and have not ended yet, by start time.
 class DataBus {
  public:
   using Cycle = std::uint64_t;
@@ -39,8 +39,8 @@ class DataBus {
     size_ -= 1;
   }
 
-  /// Books a burst on the data bus. The burst may begin before the one booked last, because bursts of two bank groups
-  /// interleave.
+  /// Books a burst on the DRAM data bus. The burst may begin before bursts that were booked earlier, because bursts of
+  /// two bank groups interleave.
   void book_burst(Burst burst) {
     assert(size_ < capacity_);
     std::size_t i = head_ + size_ < capacity_ ? head_ + size_ : head_ + size_ - capacity_;
@@ -63,33 +63,35 @@ class DataBus {
   std::size_t size_ = 0;
 };
 
-/// One LPDDR channel with its controller. Its state holds earliest allowed cycles, not countdowns.
+/// One LPDDR channel with its controller. Timing state is stored as earliest allowed cycles, not as countdowns.
 ///
 ///   ports_in --> one request per cycle --> [read queue ] --> ACT / RD / WR / PRE on the command bus --> banks
 ///                                          [write queue]                                               |
 ///   ports_out <-- [returns: fixed fabric latency] <--------- data bus <--------------------------------+
 ///
-/// 1. The scheduler is FR-FCFS or FCFS: a column command before an activate before a precharge, the oldest first among
-/// equals. Once a queue's oldest request exceeds the age limit, it is not overtaken in its bank.
-/// 2. Writes wait until their queue reaches its high mark, then go first down to the low mark. Before that they go
-/// while there are no reads, or when one of them exceeds the age limit.
-/// 3. A line is booked as one burst sequence. Other bank groups and commands fit into its gaps.
-/// 4. Rows stay open, or close with their last queued hit (DramPagePolicy).
-/// 5. A refresh takes one bank, a pair of banks or a whole rank per interval. It closes them and keeps them busy. Ranks
-/// take turns.
-/// 6. An idle channel may power down: all ranks together, with all rows closed. A refresh wakes it for its duration.
-/// 7. A response leaves on the port of its request, with `source` and `tag` unchanged.
-/// 8. An ideal channel answers every request in the cycle of its arrival, so only the links delay it. Its lines still
-/// cost energy for their bursts.
+/// 1. The scheduler is FR-FCFS or FCFS. It prefers column commands to activates and activates to precharges, then the
+/// oldest request. A queue's oldest request is not overtaken in its bank once it exceeds the age limit.
+/// 2. Reads go before writes until the write queue reaches its high mark. Then writes go first, down to the low mark.
+/// Writes also go while there are no reads, or when a write exceeds the age limit.
+/// 3. All bursts of a line are booked at once. Bursts of other bank groups and other commands use the gaps between
+/// them.
+/// 4. A row stays open, or is closed by its last queued hit (DramPagePolicy).
+/// 5. Once per interval, one bank, a pair of banks or a whole rank is closed and refreshed. Ranks take turns.
+/// 6. An idle channel may power down: all ranks together, with all rows closed. A refresh wakes the channel until the
+/// refresh ends.
+/// 7. A response leaves on the port at which its request arrived, with the request's `source` and `tag`.
+/// 8. An ideal channel answers every request in the cycle of its arrival, so only the links delay it. The bursts of its
+/// lines still cost energy.
 ///
-/// Not modelled: forwarding from the write queue, postponed refresh, command slots of refreshes, distances between
-/// refreshes and activates of other banks except pbr2act, power-down of single ranks or with open rows, self refresh,
-/// masked writes.
+/// Not modelled: forwarding from the write queue, postponed refresh, command bus cycles of refreshes, constraints
+/// between refreshes and activates of other banks except pbr2act, power-down of single ranks or with open rows, self
+/// refresh, masked writes.
 class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  static constexpr std::size_t kMaxLinesPerTick = 2;  ///< to one port: a waiting line and a new one
+  /// Maximum number of lines sent to one port in a tick: one that waited, and one that was read in this tick.
+  static constexpr std::size_t kMaxLinesPerTick = 2;
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {
@@ -133,9 +135,9 @@ class DramChannel {
   DramChannel& operator=(const DramChannel&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Updates all counters of the channel to the time `end`, an edge of its clock.
+  /// Updates all counters of the DRAM channel to the time `end`, which must be an edge of the channel's clock.
   void finish(sim::Time end);
-  /// True if the channel holds no queued request and no pending response.
+  /// True if the DRAM channel holds no queued request and no pending response.
   bool idle() const { return reads_.empty() && writes_.empty() && returns_.empty(); }
 
   const sim::Clock& clock() const { return clock_; }
@@ -173,7 +175,7 @@ class DramChannel {
   void issue_command(sim::Time now, Cycle cycle);
   void apply_page_policy(const DramAddress& address);
   void transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
-  /// Returns the cycle at which the oldest request in the queue exceeds the age limit.
+  /// Returns the cycle at which the oldest request in the DRAM queue exceeds the controller's age limit.
   Cycle overdue_cycle(const DramQueue& queue) const {
     return queue.empty() ? sim::kNever : queue.oldest_entry().arrived + controller_.age_limit;
   }
@@ -199,24 +201,26 @@ class DramChannel {
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
-  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far; ranks are refreshed in turn
-  std::uint32_t to_refresh_;        ///< mask of the banks not yet refreshed in this round
+  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far, which selects the next rank
+  std::uint32_t to_refresh_;        ///< mask of the banks left to refresh in this refresh round
 
-  Cycle data_end_ = 0;  ///< last cycle of data booked so far
+  Cycle data_end_ = 0;  ///< last cycle for which data are booked on the data bus
   bool is_down_ = false;
   Cycle down_since_ = 0;    ///< cycle at which power-down began, if is_down_
-  Cycle down_counted_ = 0;  ///< power-down time has been counted up to this cycle
+  Cycle down_counted_ = 0;  ///< cycle up to which power-down time has been counted
 
   DramQueue reads_, writes_;
   sim::Ring<Return> returns_;
-  std::size_t max_returns_;  ///< twice the lines that a full data bus moves during the latency of device and fabric
+  /// Capacity of the queue of read responses: twice the lines that a saturated data bus moves during the latency of
+  /// device and fabric.
+  std::size_t max_returns_;
   sim::Time return_at_ = 0;  ///< earliest time of the next response
   Arbiter ports_;
-  bool draining_ = false;  ///< the channel serves writes first, down to the low mark
-  bool writing_ = false;   ///< `next_` is a command for the write queue
+  bool draining_ = false;  ///< writes go before reads until the write queue is down to its low mark
+  bool writing_ = false;   ///< the next command, `next_`, is for the write queue
   ScheduledCommand next_;
   bool next_is_stale_ = true;
-  Cycle reschedule_at_ = sim::kNever;  ///< cycle at which a request exceeds the age limit
+  Cycle reschedule_at_ = sim::kNever;  ///< next cycle at which a queue's oldest request exceeds the age limit
 
   Cycle accounted_until_ = 0;
   Stats stats_;

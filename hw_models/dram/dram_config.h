@@ -12,8 +12,8 @@
 
 namespace hw {
 
-/// Order of the row, bank, column and channel bits in an address, highest first. Consecutive lines differ in the last
-/// field.
+/// Order of the row, bank, column and channel bits in a DRAM address, from the highest bits to the lowest. Consecutive
+/// lines differ in the last field.
 enum class DramMapping : std::uint8_t {
   kRowBankColumnChannel,  ///< consecutive lines fill a row in every channel, then move to the next bank
   kRowColumnBankChannel,  ///< consecutive lines cycle through the banks, as bank groups require
@@ -25,42 +25,42 @@ constexpr std::array<std::string_view, 3> names_of(DramMapping) {
 
 /// Order in which a memory controller refreshes the banks of a rank.
 enum class RefreshOrder : std::uint8_t {
-  kRoundRobin,  ///< always the next bank (LPDDR3 allows no other order); a stream that cycles through the banks may
-                ///< stay in step with the refreshes
-  kIdleFirst,   ///< a bank without queued requests, among those not refreshed in this round
+  kRoundRobin,  ///< always the next bank, the only order that LPDDR3 allows; a stream that cycles through the banks may
+                ///< repeatedly meet the bank in refresh
+  kIdleFirst,   ///< a bank without queued requests first, among the banks not yet refreshed in this round
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
-/// State of the devices between frames.
+/// Power state of the DRAM devices between frames.
 enum class DramIdle : std::uint8_t {
-  kPowerDown,    ///< power-down without refreshes: the lowest power of a device
-  kSelfRefresh,  ///< the devices refresh the part of the array whose data are kept
+  kPowerDown,    ///< power-down without refreshes: the lowest power; data are not kept
+  kSelfRefresh,  ///< self refresh of the part of the array whose data are kept
 };
 constexpr std::array<std::string_view, 2> names_of(DramIdle) { return {"power_down", "self_refresh"}; }
 
-/// How many banks one refresh command occupies.
+/// How many banks one DRAM refresh command occupies.
 enum class RefreshKind : std::uint8_t {
   kPerBank,  ///< one bank, or the pair that the device refreshes together; the other banks continue
-  kAllBank,  ///< all banks of a rank, at longer intervals
+  kAllBank,  ///< all banks of a rank; such refreshes are less frequent
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
 
 /// Page policy: whether a DRAM row stays open when no queued request needs it.
 enum class PagePolicy : std::uint8_t {
   kOpen,      ///< the row stays open until a request needs another row of the bank
-  kClosed,    ///< the last queued hit closes the row (auto-precharge)
-  kAdaptive,  ///< the row is left open or closed as predicted from the bank's earlier requests
+  kClosed,    ///< the last queued hit of a row closes it (auto-precharge)
+  kAdaptive,  ///< a predictor per bank, based on the bank's earlier requests, decides whether the row stays open
 };
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
-/// Scheduling policy: which read, or which write, a memory controller serves next.
+/// Scheduling policy of a memory controller: which of the queued reads, or of the queued writes, is served next.
 enum class DramSchedulingPolicy : std::uint8_t {
-  kFrFcfs,  ///< first ready, first come: requests whose bank is ready go first, the oldest of them first
-  kFcfs,    ///< strictly the oldest request; no other request opens or closes its bank meanwhile
+  kFrFcfs,  ///< first ready, first come: the oldest request among those whose bank is ready
+  kFcfs,    ///< strictly the oldest request; other requests wait, even those for other banks
 };
 constexpr std::array<std::string_view, 2> names_of(DramSchedulingPolicy) { return {"fr_fcfs", "fcfs"}; }
 
-/// Organisation of a channel: ranks, banks, rows.
+/// Organisation of a DRAM channel: ranks, bank groups, banks, rows.
 struct DramOrganisation {
   std::uint32_t ranks = 1;
   std::uint32_t banks = 8;
@@ -148,7 +148,7 @@ struct DramTiming {
   }
 };
 
-/// Configuration of a DRAM channel's memory controller: how it orders requests.
+/// Configuration of the memory controller of a DRAM channel.
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
@@ -225,7 +225,7 @@ struct DramEnergy {
   }
 };
 
-/// Configuration of the memory: a number of equal LPDDR channels.
+/// Configuration of the GPU's DRAM: a number of equal LPDDR channels.
 struct DramConfig {
   std::string grade = "LPDDR4-3200";
   std::uint32_t channels = 4;
@@ -282,7 +282,7 @@ struct DramConfig {
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
       complain("timing.ccd_s", "allowed: burst <= ccd_s <= ccd_l");
     const std::uint32_t distance =
-        timing.ccd_l * (organisation.bl32 ? 2 : 1);  // cycles between column commands of one line
+        timing.ccd_l * (organisation.bl32 ? 2 : 1);  // cycles from one column command of a line to the next
     if (commands_per_line() > 1 && timing.ca_column > distance)
       complain("timing.ca_column", at_most("the distance of a line's commands", distance));
     check_refresh(complain);
@@ -290,23 +290,23 @@ struct DramConfig {
 
   std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
   std::uint32_t commands_per_line() const { return bursts_per_line() / (organisation.bl32 ? 2 : 1); }
-  /// Returns the time between two refreshes of a rank in nCK; 0 if refresh is off.
+  /// Returns the time between two refreshes of a rank, in cycles of the command clock; 0 if refresh is off.
   std::uint32_t refresh_interval() const {
     return controller.refresh == RefreshKind::kAllBank ? timing.refi_ab : timing.refi_pb;
   }
-  /// Returns the time between two refreshes of the same bank in nCK; 0 if refresh is off.
+  /// Returns the time between two refreshes of the same bank, in cycles of the command clock; 0 if refresh is off.
   std::uint64_t bank_refresh_interval() const {
     if (controller.refresh == RefreshKind::kAllBank) return timing.refi_ab;
     return std::uint64_t{timing.refi_pb} * (organisation.banks / organisation.refresh_banks);
   }
-  /// Returns the mapping from line addresses to channels.
+  /// Returns the mapping from line addresses to DRAM channels.
   Interleave channel_interleave() const {
     const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
     return {by_page ? organisation.page.bytes : line.bytes, channels};
   }
 
  private:
-  /// Rejects a refresh rate that leaves a bank no time to open a row and serve a request between two refreshes.
+  /// Rejects a refresh rate so high that a bank cannot open a row and serve a request between two refreshes.
   void check_refresh(auto&& complain) const {
     const bool all = controller.refresh == RefreshKind::kAllBank;
     const std::uint64_t busy =
@@ -321,11 +321,11 @@ struct DramConfig {
 
 /// Bank and row of a line within its DRAM channel. The column does not affect timing.
 struct DramAddress {
-  std::uint32_t bank = 0;  ///< bank number, counted rank by rank
+  std::uint32_t bank = 0;  ///< bank number within the channel; all banks of rank 0 precede those of rank 1
   std::uint32_t row = 0;
 };
 
-/// Maps the address of a line to bank and row within a DRAM channel. DramConfig::channel_interleave() selects the
+/// Maps the address of a line to a bank and row within its DRAM channel. DramConfig::channel_interleave() selects the
 /// channel.
 class DramMap {
  public:
@@ -338,7 +338,8 @@ class DramMap {
         row_mask_(c.organisation.rows - 1) {}
 
   DramAddress address_of(Addr line) const {
-    // Channel and column bits are below bank and row bits in either order, so one shift serves both mappings.
+    // Bank and row bits are above the channel and column bits, whichever of those is first. So one shift serves both
+    // mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
     DramAddress a;
@@ -356,16 +357,16 @@ class DramMap {
   bool bank_first_;
   std::uint32_t skip_;
   std::uint32_t column_bits_;
-  std::uint32_t bank_bits_;  ///< number of bank bits; the highest ones select the rank
+  std::uint32_t bank_bits_;  ///< number of bank bits of an address; the highest ones select the rank
   std::uint32_t xor_mask_;
   std::uint32_t row_mask_;
 };
 
-/// Small change of a DRAM channel's timing, to repeat a run with slightly different conditions (docs/noise.md). By
-/// default it changes nothing.
+/// Small change of a DRAM channel's timing, with which a run is repeated under slightly different conditions
+/// (docs/noise.md). The default is no change.
 struct DramPerturbation {
-  std::int32_t fabric = 0;  ///< command clock cycles added to the latency of reads; the resulting latency is at least 0
-  std::uint32_t refresh = 0;  ///< cycles by which all refreshes are earlier, modulo the refresh interval
+  std::int32_t fabric = 0;    ///< command clock cycles added to the fabric latency of reads, which cannot fall below 0
+  std::uint32_t refresh = 0;  ///< command clock cycles by which all refreshes are earlier, modulo the refresh interval
 
   std::uint64_t perturbed_fabric_cycles(std::uint64_t fabric_cycles) const {
     return static_cast<std::uint64_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(fabric_cycles) + fabric));

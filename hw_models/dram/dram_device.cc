@@ -77,8 +77,8 @@ DramCycleReason DramDevice::wait_reason(DramCommand command, std::uint32_t bank,
   return DramCycleReason::kIdle;
 }
 
-/// Delays later commands by all timing constraints that follow operation `kFrom` of this bank at cycle `now`. The loop
-/// is unrolled at compile time.
+/// Applies all DRAM timing constraints that follow from an operation `kFrom` of the bank at cycle `now`: raises the
+/// earliest cycles of later operations. The loop over constraints is unrolled at compile time.
 template <DramOp kFrom>
 inline void DramDevice::apply_constraints(std::uint32_t bank, Cycle now) {
   const std::uint32_t own_rank = rank_of(bank);
@@ -147,8 +147,8 @@ DramDevice::Cycle DramDevice::write_line(std::uint32_t bank, Cycle now) {
   return data;
 }
 
-/// Books the column commands of one line that starts at `now`, after a CAS if WCK is stopped. Returns the cycle of the
-/// first column command.
+/// Books the column commands of one line from cycle `now` on, after a CAS if the data clock WCK is stopped. Returns the
+/// cycle of the first column command.
 DramDevice::Cycle DramDevice::reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
@@ -196,7 +196,7 @@ void DramDevice::start_refresh(std::uint32_t bank_mask, Cycle begin) {
 
 DramDevice::Cycle DramDevice::precharge_banks(std::uint32_t bank_mask, Cycle from) {
   const std::uint32_t open = bank_mask & open_;
-  const Cycle closed = rank_[rank_of(log2_of(bank_mask))].active_until;  // a precharge may be booked for a future cycle
+  const Cycle closed = rank_[rank_of(log2_of(bank_mask))].active_until;  // may be in the future
   if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
   Cycle begin = std::max(from, closed);
   for (std::uint32_t left = open; left != 0; left &= left - 1)
@@ -211,7 +211,7 @@ DramDevice::Cycle DramDevice::cycles_with_open_row(Cycle until) {
   Cycle sum = 0;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     Rank& rank = rank_[r];
-    // A refresh may have set the end of the last open row to a future cycle.
+    // The last row of the rank may be closed at a future cycle, because a refresh closes rows as soon as timing allows.
     const Cycle end = (open_ & bank_mask_of_rank(r)) != 0 ? until : std::min(until, rank.active_until);
     if (end > rank.active_since) {
       rank.active += end - rank.active_since;

@@ -12,22 +12,25 @@
 
 namespace hw {
 
-/// DRAM commands in the order in which a scheduler prefers them. kColumn represents the reads, or the writes, that move
-/// one line.
+/// DRAM commands in the order in which a scheduler prefers them. kColumn represents all the read commands, or all the
+/// write commands, that transfer one line.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
-/// Reservation table of a DRAM channel's command bus and data bus. For each kind of command, a bit mask marks those of
-/// the next 64 cycles in which it cannot start because it would conflict with a booked command.
+/// Reservation table of a DRAM channel's command bus and data bus. It has a 64-bit mask for each kind of command. The
+/// mask marks the coming cycles in which such a command cannot start because it would conflict with a booked one.
 ///
-/// 1. The conflicts between each pair of kinds are precomputed, so queries and bookings need no loops.
-/// 2. Other commands fit into the gaps of a line's burst sequence.
-/// 3. With tAAD an activate is split into ACT-1 and, at most tAAD later, ACT-2. A read or write may take the cycle of a
-/// booked ACT-2, which then moves to a later one. No ACT-1 is issued before the pending ACT-2.
+/// 1. The conflicts between each pair of command kinds are precomputed, so queries and bookings need no loops over
+/// cycles.
+/// 2. Other commands can be booked in the gaps between the bursts of a line.
+/// 3. If tAAD is not 0, an activate is split into ACT-1 and ACT-2, which follows at most tAAD later. A read or write
+/// may take the cycle of a booked ACT-2, which then moves to a later cycle. No other ACT-1 is issued until the
+/// pending ACT-2 has been issued.
 class CommandCalendar {
  public:
   using Cycle = std::uint64_t;
 
-  /// A line is transferred in `bursts_per_line` bursts, which `commands_per_line` column commands start.
+  /// `bursts_per_line`: number of bursts that transfer a line. `commands_per_line`: number of column commands that
+  /// start these bursts.
   CommandCalendar(const DramTiming& timing, std::uint32_t bursts_per_line, std::uint32_t commands_per_line)
       : half_activate_(timing.aad == 0 ? 0 : timing.ca_activate / 2),
         aad_(timing.aad),
@@ -65,12 +68,13 @@ class CommandCalendar {
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
     return from + cycles_until_free(blocked | no_second);
   }
-  /// Returns the first cycle at or after `from` in which a CAS can start, followed by its column command.
+  /// Returns the first cycle at or after `from` in which a CAS, followed by its column command, can start without a
+  /// conflict.
   Cycle first_cycle_for_cas_and_column(Cycle from) const { return first_free_cycle(kSync, from); }
-  /// True if the data bus is free for all bursts of a line whose first burst starts at cycle `at`.
+  /// True if the DRAM data bus is free for all bursts of a line whose first burst starts at cycle `at`.
   bool is_data_bus_free(Cycle at) const { return (mask_relative_to(blocked_data_, at) & 1) == 0; }
 
-  /// Books a command at cycle `at` and forgets all cycles before it.
+  /// Books a command at cycle `at`. Queries for cycles before `at` are not possible afterwards.
   void book_command(DramCommand command, Cycle at) {
     book_kind(index_of(command), at);
     if (command != DramCommand::kActivate || half_activate_ == 0) return;
@@ -83,12 +87,12 @@ class CommandCalendar {
 
  private:
   static constexpr std::size_t kColumn = 0, kActivate = 1, kPrecharge = 2, kSync = 3, kKinds = 4;
-  static constexpr std::uint32_t kLatest =
-      32;  ///< more than the cycles from a command to any ACT-2 that it can conflict with
+  /// Bit of an ACT-2 in `act2_conflicts_`: more than the cycles from a command to any ACT-2 with which it can conflict.
+  static constexpr std::uint32_t kLatest = 32;
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
-  /// Returns the number of cycles until the first cycle that is not blocked. Bit n of the mask represents n cycles from
-  /// now.
+  /// Returns the number of cycles until the first cycle that is not blocked. Bit n of `blocked_mask` is set if the nth
+  /// cycle from now is blocked.
   static Cycle cycles_until_free(std::uint64_t blocked_mask) {
     return static_cast<Cycle>(std::countr_one(blocked_mask));
   }
@@ -102,14 +106,14 @@ class CommandCalendar {
     }
     return at;
   }
-  /// True if the command at cycle `at` would occupy the command bus in a cycle of the pending ACT-2.
+  /// True if a command that starts at cycle `at` would occupy the command bus in a cycle of the pending ACT-2.
   bool conflicts_with_act2(std::size_t kind, Cycle at) const {
     return at < act2_end_ && ((act2_conflicts_[kind] >> (kLatest + at + half_activate_ - act2_end_)) & 1) != 0;
   }
   bool can_displace_act2(std::size_t kind, Cycle at) const {
     return kind != kPrecharge && at + half_activate_ <= act2_end_ && act2_cycle_if_booked(kind, at) <= act2_until_;
   }
-  /// Returns the cycle to which the pending ACT-2 moves if the command is booked at cycle `at`.
+  /// Returns the cycle to which the pending ACT-2 moves if a command takes its place at cycle `at`.
   Cycle act2_cycle_if_booked(std::size_t kind, Cycle at) const {
     return at + cycles_until_free(mask_relative_to(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
@@ -122,21 +126,22 @@ class CommandCalendar {
     base_ = at;
   }
   /// Returns a mask of the start cycles at which a command with the bus pattern `asked_pattern` conflicts with the
-  /// pattern `booked_pattern`.
+  /// booked bus cycles in `booked_pattern`.
   static std::uint64_t conflicting_starts(std::uint64_t asked_pattern, std::uint64_t booked_pattern) {
     std::uint64_t all = 0;
     for (; asked_pattern != 0; asked_pattern &= asked_pattern - 1)
       all |= booked_pattern >> std::countr_zero(asked_pattern);
     return all;
   }
-  /// Returns the bus pattern of `count` blocks of `length` cycles each, `stride` cycles apart, as a mask.
+  /// Returns the mask of the bus cycles that a command occupies: `count` blocks of `length` cycles each, one block
+  /// every `stride` cycles.
   static constexpr std::uint64_t block_pattern(std::uint32_t count, std::uint32_t length, std::uint32_t stride) {
     std::uint64_t pattern = 0;
     for (std::uint32_t i = 0; i < count; ++i) pattern |= ((std::uint64_t{1} << length) - 1) << (i * stride);
     return pattern;
   }
-  /// Returns a mask of the distances, in cycles, at which a command with the bus pattern `asked_pattern` conflicts with
-  /// one of pattern `booked_pattern` that started earlier.
+  /// Returns a mask of conflicting distances: bit d is set if a command with the bus pattern `asked_pattern` conflicts
+  /// with a command of pattern `booked_pattern` that started d cycles earlier.
   static constexpr std::uint64_t conflict_distances(std::uint64_t booked_pattern, std::uint64_t asked_pattern) {
     std::uint64_t distances = 0;
     for (std::uint32_t d = 0; d < 64; ++d) {
@@ -148,30 +153,31 @@ class CommandCalendar {
     return from - base_ >= 64 ? 0 : mask >> (from - base_);
   }
 
-  const std::uint32_t half_activate_;  ///< cycles of ACT-1, and of ACT-2; 0: an activate is one command
+  const std::uint32_t half_activate_;  ///< cycles of each of ACT-1 and ACT-2; 0: activates are not split
   const std::uint32_t aad_;
-  const std::array<std::uint64_t, kKinds>
-      command_bus_;               ///< cycles of the command bus that each kind of command occupies, as a mask
-  const std::uint64_t data_bus_;  ///< cycles of the data bus that a line occupies, as a mask
+  /// Mask of the command bus cycles that each kind of command occupies.
+  const std::array<std::uint64_t, kKinds> command_bus_;
+  const std::uint64_t data_bus_;  ///< mask of the data bus cycles that a line occupies
   Cycle base_ = 0;
-  std::array<std::uint64_t, kKinds>
-      blocked_{};  ///< blocked start cycles of each kind of command, without conflicts with the pending ACT-2
+  /// Mask, for each kind of command, of the start cycles that booked commands block. Conflicts with the pending ACT-2
+  /// are not included.
+  std::array<std::uint64_t, kKinds> blocked_{};
   std::uint64_t blocked_data_ = 0;
-  Cycle act2_end_ = 0;    ///< first cycle after the last ACT-2; 0 before the first
-  Cycle act2_until_ = 0;  ///< latest cycle to which the last ACT-2 may move
+  Cycle act2_end_ = 0;    ///< first cycle after the last booked ACT-2; 0: none yet
+  Cycle act2_until_ = 0;  ///< latest cycle to which the last booked ACT-2 may move
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
-  std::array<std::uint64_t, 2> forbids_data_{};  ///< start cycles of a line's data that a column command blocks:
-                                                 ///< without and with a preceding CAS
-  std::array<std::uint64_t, kKinds>
-      act2_conflicts_{};  ///< for each kind of command, the start cycles in conflict with an ACT-2 at bit kLatest
+  /// Masks of the start cycles of a line's data that a column command blocks: [0] without, [1] with a preceding CAS.
+  std::array<std::uint64_t, 2> forbids_data_{};
+  /// Mask, for each kind of command, of the start cycles that conflict with an ACT-2 at bit kLatest.
+  std::array<std::uint64_t, kKinds> act2_conflicts_{};
 };
 
-/// The banks and buses of one DRAM channel, which determine when a command may run. The state is the earliest allowed
-/// cycle of each operation; nothing is counted down.
+/// Timing state of the banks and buses of one DRAM channel, which determines when a command may be issued. The state is
+/// the earliest allowed cycle of each operation, so no counters are decremented.
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = BankLanes::kMaxBanks;  ///< banks of all ranks
+  static constexpr std::uint32_t kMaxBanks = BankLanes::kMaxBanks;  ///< maximum over all ranks
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -179,33 +185,33 @@ class DramDevice {
   bool is_open(std::uint32_t bank) const { return ((open_ >> bank) & 1) != 0; }
   bool is_open(std::uint32_t bank, std::uint32_t row) const { return is_open(bank) && rows_[bank] == row; }
 
-  /// Returns a mask of the banks with an open row.
+  /// Returns a mask of the DRAM banks with an open row.
   std::uint32_t open_bank_mask() const { return open_; }
 
   /// Returns the first cycle at or after `now` at which the DRAM device is out of power-down.
   Cycle first_awake_cycle(Cycle now) const { return std::max(now, awake_at_); }
-  /// Returns the first cycle at or after `from` at which the timing constraints of the rank allow the command.
+  /// Returns the first cycle at or after `from` at which the timing constraints of the whole rank allow the command.
   Cycle earliest_rank_cycle(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
     if (command == DramCommand::kActivate) return rank_[rank].next_activate_cycle(from, t_);
     return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index_of(column_operation(write))]) : from;
   }
-  /// Returns a mask of the banks that allow the command in the given cycle. Ignores constraints of the rank and the
-  /// buses.
+  /// Returns a mask of the banks whose own timing constraints allow the command in the given cycle. Ignores constraints
+  /// of the rank and the buses.
   template <DramCommand kCommand>
   std::uint32_t ready_bank_mask(bool write, Cycle cycle) const {
     const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.banks_with_both_at_most(group_at_[write], cycle)
                                             : at.banks_at_most(cycle);
   }
-  /// Returns the first cycle at which any bank of the mask `bank_mask` allows the command. Ignores constraints of the
-  /// rank and the buses.
+  /// Returns the first cycle at which the command is allowed in any bank of the mask `bank_mask`. Ignores constraints
+  /// of the rank and the buses.
   template <DramCommand kCommand>
   Cycle first_ready_cycle(std::uint32_t bank_mask, bool write) const {
     const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], bank_mask) : at.min_of(bank_mask);
   }
-  /// Returns the first cycle at or after `ready` at which the command bus and data bus are free for the command. If WCK
-  /// is stopped, a read or write needs a CAS first; then it is the cycle of the CAS.
+  /// Returns the first cycle at or after `ready` at which the command bus and data bus are free for the command. If the
+  /// data clock WCK is stopped, a read or write needs a CAS first. The result is then the cycle of the CAS.
   Cycle first_bus_slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free_cycle(command, ready);
@@ -220,44 +226,49 @@ class DramDevice {
     return free;
   }
 
-  /// Returns the timing constraint that delays the command until `at`, its earliest cycle.
+  /// Returns the timing constraint that delays a DRAM command until its earliest cycle, `at`.
   DramCycleReason wait_reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate_row(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge_bank(std::uint32_t bank, Cycle now);
   /// Closes the bank's row after its last read or write, without a precharge command on the bus.
   void auto_precharge(std::uint32_t bank) { close_bank(bank, earliest_cycle(DramOp::kPrecharge, bank)); }
-  /// Reads or writes one line, after a CAS if WCK is stopped. Returns the cycle in which its data begin.
+  /// Issues the read or write commands of one line, after a CAS if the data clock WCK is stopped. Returns the cycle in
+  /// which the line's data begin.
   Cycle read_line(std::uint32_t bank, Cycle now);
   Cycle write_line(std::uint32_t bank, Cycle now);
-  /// Returns the number of cycles from the beginning of a line's first burst to the end of its last one.
+  /// Returns the number of cycles from the beginning of a line's first burst to the end of its last burst.
   Cycle data_cycles() const { return column_span_ + t_.burst; }
-  /// Calls f(begin, end) for each interval in which a line whose data begin at cycle `data` occupies the data bus.
+  /// Calls f(begin, end) for each interval in which a line occupies the DRAM data bus. `data`: cycle in which its data
+  /// begin.
   void for_each_burst(Cycle data, auto&& f) const {
     if (t_.ccd_l == t_.burst) return f(data, data + data_cycles());
     for (Cycle begin = data; begin <= data + column_span_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
-  /// Returns a mask: the banks of a rank, or the banks that a per-bank refresh of `bank` refreshes together.
+  /// Returns a mask of the banks of a rank.
   std::uint32_t bank_mask_of_rank(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
+  /// Returns a mask of the banks that a per-bank refresh command for `bank` refreshes together.
   std::uint32_t bank_mask_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
-  /// Returns a mask of the banks that a per-bank refresh may address: the lower bank of each pair.
+  /// Returns a mask of the banks that a per-bank refresh command may name. If banks are refreshed in pairs, it is the
+  /// lower bank of each pair.
   std::uint32_t refresh_leader_mask() const { return refresh_leaders_; }
 
-  /// Closes the banks of the mask and refreshes them together, as soon as allowed at or after cycle `due`.
+  /// Closes the banks of the mask `bank_mask` and refreshes them together, as soon as timing allows at or after cycle
+  /// `due`.
   void refresh_banks(std::uint32_t bank_mask, Cycle due);
-  /// Closes all banks of the rank and refreshes it, as soon as allowed at or after cycle `due`.
+  /// Closes all banks of the rank and refreshes the rank, as soon as timing allows at or after cycle `due`.
   void refresh_rank(std::uint32_t rank, Cycle due);
-  /// Closes the banks of the mask together, as soon as allowed at or after cycle `from`. Returns the cycle at which all
-  /// are precharged.
+  /// Closes the banks of the mask `bank_mask` together, as soon as timing allows at or after cycle `from`. Returns the
+  /// cycle at which all are precharged.
   Cycle precharge_banks(std::uint32_t bank_mask, Cycle from);
-  /// Takes the DRAM device out of power-down; the first command may run at cycle `at`.
+  /// Takes the DRAM device out of power-down. `at`: cycle of the first command that is allowed.
   void leave_power_down(Cycle at) { awake_at_ = at; }
 
   std::uint32_t open_bank_count() const;
   std::uint64_t turnaround_count() const { return turnarounds_; }
-  /// Returns the number of cycles before `until` with an open row, summed over ranks. `until` must not decrease between
-  /// calls.
+  /// Returns the number of cycles before `until` in which a rank had an open row, summed over ranks. `until` must not
+  /// decrease between calls.
   Cycle cycles_with_open_row(Cycle until);
 
  private:
@@ -270,7 +281,7 @@ class DramDevice {
   Cycle& earliest_cycle(DramOp op, std::uint32_t bank) { return bank_at_[index_of(op)][bank]; }
   Cycle earliest_cycle(DramOp op, std::uint32_t bank) const { return bank_at_[index_of(op)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
-  /// Returns a mask of the banks in the bank group of `bank`.
+  /// Returns a mask of the banks in the same bank group as `bank`.
   std::uint32_t bank_group_mask_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
   template <DramOp kFrom>
   void apply_constraints(std::uint32_t bank, Cycle now);
@@ -281,16 +292,16 @@ class DramDevice {
   void start_refresh(std::uint32_t bank_mask, Cycle begin);
 
   struct Rank {
-    std::array<Cycle, 3> at{};                ///< earliest cycle of a read, write or activate, by DramOp
-    std::array<DramCycleReason, 3> reason{};  ///< constraint that determines each entry of `at`
-    std::array<Cycle, 4>
-        four_activates{};  ///< for each of the last four activates, the cycle at which it leaves the tFAW window
+    std::array<Cycle, 3> at{};                ///< earliest cycle of a read, write or activate in this rank, by DramOp
+    std::array<DramCycleReason, 3> reason{};  ///< timing constraint that determines each entry of `at`
+    /// For each of the last four activates, the cycle at which it leaves the tFAW window.
+    std::array<Cycle, 4> four_activates{};
     std::uint32_t oldest_activate = 0;
-    Cycle active = 0;  ///< cycles with an open row before `active_since`
+    Cycle active = 0;  ///< cycles with an open row in this rank before `active_since`
     Cycle active_since = 0, active_until = 0;
 
-    Cycle refreshed_at = 0;  ///< start of the last per-bank refresh; 0 before the first
-    Cycle wck_stops_at = 0;  ///< cycle at which WCK stops; a later read or write needs a CAS
+    Cycle refreshed_at = 0;  ///< start of the rank's last per-bank refresh; 0: none yet
+    Cycle wck_stops_at = 0;  ///< cycle at which the data clock WCK stops; a read or write from then on needs a CAS
 
     Cycle next_activate_cycle(Cycle from, const DramTiming& timing) const {
       Cycle activate = std::max({from, at[index_of(DramOp::kActivate)], four_activates[oldest_activate]});
@@ -314,8 +325,8 @@ class DramDevice {
   const DramTiming t_;
   const std::array<std::int64_t, kDramConstraints.size()> constraint_cycles_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t group_mask_;   ///< bits of a bank's number that identify the first bank of its group
-  const std::uint32_t group_banks_;  ///< mask of the banks of the first group
+  const std::uint32_t group_mask_;   ///< a bank's number ANDed with this is the first bank of its bank group
+  const std::uint32_t group_banks_;  ///< mask of the banks of the first bank group
   const std::uint32_t rank_banks_;   ///< mask of the banks of the first rank
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
@@ -323,10 +334,11 @@ class DramDevice {
 
   std::uint32_t open_ = 0;  ///< mask of the banks with an open row
   std::array<std::uint32_t, kMaxBanks> rows_{};
-  std::array<BankLanes, 4>
-      bank_at_;  ///< earliest cycle of a read, write, activate and precharge in each bank, by DramOp
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< constraint that delays the activate of each closed bank
-  std::array<BankLanes, 2> group_at_;  ///< earliest read and write in each bank that its bank group allows
+  /// Earliest cycle of a read, write, activate and precharge in each bank, by DramOp.
+  std::array<BankLanes, 4> bank_at_;
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< timing constraint that delays the next activate of each
+                                                            ///< closed bank
+  std::array<BankLanes, 2> group_at_;  ///< earliest read [0] and write [1] that the bank group allows, for each bank
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

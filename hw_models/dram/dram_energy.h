@@ -8,15 +8,14 @@
 
 namespace hw {
 
-/// Returns the energy of each event that a DRAM channel counts. The energy of a burst includes the device's core, the
-/// pins and the GPU's PHY. The energy of a standby cycle is one rank's background power for one cycle of the command
-/// clock.
+/// Returns the energy of each kind of event that a DRAM channel counts. A burst's energy includes the DRAM array, the
+/// pins and the GPU's PHY. A standby cycle's energy is the background power of one rank times the command clock period.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
-/// Returns the power of the whole memory between frames, in mW.
+/// Returns the power of the whole DRAM between frames, in mW.
 sim::Band dram_idle_mw(const DramConfig& config);
 
-/// Returns the energy of all events that a DRAM channel counted, in pJ.
+/// Returns the total energy of the events counted by a DRAM channel, in pJ.
 sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kAnswers = 64;
 
-/// Runs a list of requests through one DRAM channel. A request takes one cycle to reach the channel, so times measured
-/// inside are one cycle later than outside.
+/// Runs a list of requests through one DRAM channel. A request takes one cycle to reach the channel. So times measured
+/// inside the channel are one cycle later than those of the runner.
 class ChannelRunner : Observer {
  public:
   ChannelRunner(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
@@ -59,7 +59,7 @@ class ChannelRunner : Observer {
                    static_cast<std::uint16_t>(next_), r.write});
   }
 
-  /// Completes the writes that the channel has accepted. Writes are posted, so they wait for no response.
+  /// Completes the writes that the DRAM channel has accepted. Writes are posted: they get no response.
   void complete_posted_writes() {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
@@ -103,10 +103,10 @@ class ChannelRunner : Observer {
   sim::Time wake_ = 0;
 
   std::size_t next_ = 0;
-  std::uint32_t waiting_ = 0;   ///< requests that are sent and not completed
+  std::uint32_t waiting_ = 0;   ///< requests sent to the channel and not completed
   std::size_t taken_ = 0;       ///< requests that the channel has accepted
-  std::size_t served_ = 0;      ///< requests whose data transfers are booked
-  sim::Ring<sim::Time> reads_;  ///< end times of reads, in the order of their commands
+  std::size_t served_ = 0;      ///< requests whose data transfer is booked
+  sim::Ring<sim::Time> reads_;  ///< end times of the reads' data, in the order of their commands
   DramRun run_;
 };
 
@@ -125,7 +125,7 @@ namespace {
 using Agreement = DramMeasurement::Agreement;
 
 constexpr std::uint32_t kOutstanding = 48;
-constexpr std::uint64_t kPause = 4096;  ///< cycles between requests that must not affect each other
+constexpr std::uint64_t kPause = 4096;  ///< command clock cycles between requests that must not affect each other
 constexpr std::uint64_t kLines = 10'000;
 
 class Experiment {
@@ -147,7 +147,7 @@ class Experiment {
   void add_request(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
-  /// True if the configuration of the experiment satisfies the rules between its keys.
+  /// True if the DRAM configuration of the experiment is valid: its values satisfy the rules between keys.
   bool is_possible() const {
     bool good = true;
     config.check([&good](auto&&...) { good = false; });
@@ -156,7 +156,7 @@ class Experiment {
   void run_requests() { run_ = run_dram_requests(config, requests_, kOutstanding); }
 
   double to_ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
-  /// Converts the cycles per line to a bandwidth in GB/s.
+  /// Converts command clock cycles per line to a bandwidth in GB/s.
   double to_gbps(double cycles) const { return static_cast<double>(config.line.bytes) / to_ns(cycles); }
   /// Nominal energy of all requests of the experiment, in pJ.
   double total_energy_pj() const { return dram_energy(config, run_.stats).nominal; }
@@ -168,7 +168,7 @@ class Experiment {
   double time_between_last_data(std::size_t first, std::size_t second) const {
     return static_cast<double>(run_.done[second] - run_.done[first]) * 1e-6;
   }
-  /// Bandwidth of the experiment without the first tenth of its lines, in GB/s.
+  /// Bandwidth of the experiment in GB/s, measured after the first tenth of its lines.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
     return static_cast<double>((last - first) * config.line.bytes) / time_between_last_data(first, last);
@@ -201,7 +201,7 @@ void measure_single_reads(const DramConfig& grade, std::vector<DramMeasurement>&
       {"read, powered down", "ns", sleeper.latency_ns(1), sleeper.to_ns(form.latency_after_power_down())});
 }
 
-/// Returns the time between the last data of two row hits that arrive in consecutive cycles.
+/// Returns the time in ns between the last data of two row hits that arrive in consecutive cycles.
 double time_between_hits(Experiment& experiment, std::uint32_t second_bank, bool first_writes, bool second_writes) {
   experiment.add_request(experiment.row_address(0, 0));
   experiment.add_request(experiment.row_address(second_bank, 0), kPause);
@@ -248,7 +248,7 @@ void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& meas
   }
 }
 
-/// Measures the bandwidth of a stream that reads `lines_per_row` lines from each row, bank after bank.
+/// Measures the DRAM bandwidth of a stream that reads `lines_per_row` lines from each row, bank after bank.
 DramMeasurement measure_row_stream(Experiment& experiment, const char* name, std::uint32_t lines_per_row,
                                    Agreement agreement) {
   const std::uint32_t banks = experiment.config.organisation.banks;
@@ -275,9 +275,9 @@ void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measure
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
   measurements.push_back(
       measure_row_stream(long_rows, "sixteen lines of every row", lines_of_row, Agreement::kClosely));
-  // A split activate fits between the commands of other lines; a whole activate may not. Lines of one command are
-  // packed less closely than lines of two, whose command slots keep their bursts apart. Random reads lose up to 3 % of
-  // a saturated command bus to displaced ACT-2s. Column commands of two cycles (LPDDR6) leave single free cycles.
+  // The prediction is close only for split activates, which fit between the commands of other lines. It is too high for
+  // two-cycle column commands (LPDDR6), which leave single free cycles, and for lines of one command, which pack less
+  // closely. Random reads lose up to 3 % of a saturated command bus to displaced ACT-2s.
   const bool is_close = grade.timing.aad != 0 && grade.timing.ca_column == 1 && !grade.organisation.bl32;
   measurements.push_back(
       measure_row_stream(lines, "a line of every row", 1, is_close ? Agreement::kClosely : Agreement::kAtMost));
@@ -303,7 +303,7 @@ void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& me
   }
 }
 
-/// Returns an experiment with the ranks, refreshes and controller settings of the configuration, without power-down.
+/// Returns a DRAM experiment with all settings of the configuration, except that power-down is off.
 Experiment as_configured(const DramConfig& config) {
   Experiment m(config);
   m.config = config;
@@ -311,7 +311,8 @@ Experiment as_configured(const DramConfig& config) {
   return m;
 }
 
-/// Returns the power of an idle DRAM channel in mW: the given standby power of all ranks, plus refreshes.
+/// Returns the power of an idle DRAM channel in mW: refreshes plus the standby power of all ranks. `standby`: standby
+/// power of one rank.
 double background_mw(const DramConfig& config, const sim::Band& standby) {
   const bool all = config.controller.refresh == RefreshKind::kAllBank;
   const double refresh = all ? config.energy.refresh_all.nominal : config.energy.refresh.nominal;

@@ -11,8 +11,8 @@
 
 namespace hw {
 
-/// Latencies and bandwidths of a DRAM channel as closed formulas, in cycles of the command clock. A line is a sequence
-/// of bursts in one bank. A latency ends with the line's last data.
+/// Closed formulas for the latencies and bandwidths of a DRAM channel, in cycles of the command clock. A line is a
+/// sequence of bursts in one bank. A latency ends with the last data of the line.
 class DramClosedForms {
  public:
   explicit DramClosedForms(const DramConfig& c)
@@ -25,13 +25,14 @@ class DramClosedForms {
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
-  // Latency of a single read, by the state of its bank.
+  // Latency of a single read when its row is open, its bank is closed, another row is open, or the device is powered
+  // down.
   double row_hit_latency() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
   double closed_bank_latency() const { return t_.rcd + row_hit_latency(); }
   double row_conflict_latency() const { return t_.rp + closed_bank_latency(); }
   double latency_after_power_down() const { return t_.xp + closed_bank_latency(); }
 
-  // Time from the last data of one row hit to the last data of the next.
+  // Time from the last data of one row hit to the last data of the next row hit.
   double write_after_read() const { return column_span() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
     return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + column_span();
@@ -41,11 +42,11 @@ class DramClosedForms {
   }
   double read_after_read_of_other_rank() const { return column_span() + t_.burst + t_.rtrs + t_.wck_sync; }
 
-  /// Returns the cycles per line of a stream that keeps the data bus busy: bursts of other bank groups fill the gaps
-  /// between bursts of one group.
+  /// Returns the cycles per line of a stream that is limited only by the data bus. Bursts of other bank groups fill the
+  /// gaps between bursts of one group.
   double cycles_per_streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// Returns the cycles per line of a stream that reads `lines_per_row` lines of each row, bank after bank: the
-  /// tightest of the limits by activates, buses and banks.
+  /// Returns the cycles per line of a stream that reads `lines_per_row` lines from each row, bank after bank. It is the
+  /// largest of the limits set by activates, banks, command bus and data bus.
   double cycles_per_line_of_row_stream(std::uint32_t lines_per_row) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own tFAW window
     const std::uint32_t hits = (lines_per_row - 1) * bursts_ * t_.ccd_l + column_span();
@@ -53,7 +54,8 @@ class DramClosedForms {
     const double commands = t_.ca_activate + lines_per_row * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines_per_row * cycles_per_streamed_line()}) / lines_per_row;
   }
-  /// Returns the cycles per line of a stream of row hits in one bank, including the refreshes that close its row.
+  /// Returns the cycles per line of a stream of row hits in one bank, with the time lost to refreshes, which close the
+  /// row.
   double cycles_per_line_with_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = column_span() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
@@ -61,11 +63,13 @@ class DramClosedForms {
   }
 
  private:
-  /// Cycles of the CAS before a read that has waited for tWTR; 0 if WCK is still running.
+  /// Returns the cycles of the CAS before a read that follows a write after tWTR; 0 if the data clock WCK is still
+  /// running.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t column_span() const {
     return (bursts_ - 1) * t_.ccd_l;
-  }  ///< cycles from the first to the last column command of a line
+    /// Returns the number of cycles from the first to the last column command of a line.
+  }
 
   const DramTiming t_;
   const std::uint32_t bursts_, commands_, ranks_, banks_, groups_;
@@ -73,26 +77,28 @@ class DramClosedForms {
   const double refresh_;
 };
 
-/// A request for the line that contains `address`, an address within the DRAM channel.
+/// A request to a DRAM channel for the line that contains `address`. Addresses count from the start of the channel.
 struct DramRequest {
   Addr address = 0;
   bool write = false;
-  sim::Time earliest = 0;  ///< earliest time at which the request reaches the channel
+  sim::Time earliest = 0;  ///< earliest time at which the request may reach the channel
 };
 
-/// Result of running a list of requests. Time 0 is the earliest time at which a request reaches the channel.
+/// Result of running a list of requests on a DRAM channel. Time 0 is the earliest time at which a request can reach the
+/// channel.
 struct DramRun {
-  std::vector<sim::Time> arrived;  ///< arrival time at the channel, by request
-  std::vector<sim::Time> done;     ///< time at which the last data have passed the bus, by request
-  sim::Time end = 0;               ///< time at which the last data of all requests have passed the bus
+  std::vector<sim::Time> arrived;  ///< time at which each request arrived at the channel
+  std::vector<sim::Time> done;     ///< end of the data transfer of each request
+  sim::Time end = 0;               ///< end of the last data transfer
   DramChannel::Stats stats;
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason; their sum is `end`
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< number of cycles for each DramCycleReason; the sum is
+                                                           ///< `end`
 
   sim::Time request_latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
 
-/// Runs the requests through a single DRAM channel in their order, with at most `max_outstanding` of them in flight.
-/// Addresses are those within the channel; the configured fabric latency is ignored.
+/// Sends the requests to a single DRAM channel in the given order, with at most `max_outstanding` in flight. The
+/// configured fabric latency is ignored.
 DramRun run_dram_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t max_outstanding);
 
 /// A measured value of a DRAM channel and its prediction by a closed formula.
@@ -102,7 +108,7 @@ struct DramMeasurement {
     kExactly,
     kClosely,  ///< within 2 %
     kNearly,   ///< measured / predicted is between 0.9 and 1.0
-    kAtMost,   ///< measured is at most the prediction, which ignores command slots and waiting banks (plus 2 %)
+    kAtMost,   ///< measured is at most 1.02 x the prediction, which ignores command bus conflicts and bank waits
   };
   std::string name;
   std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
@@ -113,12 +119,13 @@ struct DramMeasurement {
   bool is_within_tolerance() const;
 };
 
-/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Rows stay
-/// open, refresh and power-down are off, and each measurement chooses its own address mapping.
+/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Unless a
+/// measurement is about them, refresh and power-down are off and rows stay open. Each measurement chooses its own
+/// address mapping.
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
-/// Measures the nominal energy of a DRAM channel as configured, with all ranks and refreshes: per bit of a stream and
-/// of random reads, and when idle, as power and per bit of peak bandwidth.
+/// Measures the nominal energy of a DRAM channel as configured, with all ranks and refreshes. Reports pJ/bit of
+/// sequential and of random reads, and the power of an idle channel, also per bit of peak bandwidth.
 std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade);
 
 }  // namespace hw

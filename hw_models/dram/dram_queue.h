@@ -12,8 +12,8 @@
 
 namespace hw {
 
-/// Requests that wait in a DRAM channel, oldest first. For each bank, a bit mask over queue positions marks the bank's
-/// requests and another its row hits, so the scheduler searches banks instead of requests.
+/// The read queue or write queue of a DRAM channel, oldest request first. For each bank, one bit mask marks the queue
+/// positions of its requests, another those of its row hits. So the scheduler searches banks instead of requests.
 class DramQueue {
  public:
   struct Entry {
@@ -21,8 +21,8 @@ class DramQueue {
     DramAddress address;
     std::uint64_t arrived = 0;
     std::uint16_t port = 0;
-    bool precharged = false;  ///< the channel precharged the bank for this request
-    bool activated = false;   ///< the channel opened the row for this request
+    bool precharged = false;  ///< the DRAM channel precharged the bank for this request
+    bool activated = false;   ///< the DRAM channel opened the row for this request
   };
 
   DramQueue(std::uint32_t capacity, std::uint32_t bank_count)
@@ -38,19 +38,20 @@ class DramQueue {
   Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
   const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
-  /// Returns a mask of the banks with queued requests.
+  /// Returns a mask of the DRAM banks with queued requests.
   std::uint32_t requested_bank_mask() const { return banks_; }
-  /// Returns a mask of the banks with a queued row hit.
+  /// Returns a mask of the DRAM banks with a queued row hit.
   std::uint32_t hit_bank_mask() const { return hit_banks_; }
-  /// Returns a mask of the queue positions of the bank's requests.
+  /// Returns a mask of the queue positions of all requests for the bank.
   std::uint64_t request_position_mask(std::uint32_t bank) const { return waiting_[bank]; }
-  /// Returns a mask of the queue positions of the bank's row hits.
+  /// Returns a mask of the queue positions of all requests that hit the bank's open row.
   std::uint64_t hit_position_mask(std::uint32_t bank) const { return hits_[bank]; }
 
-  /// Returns a mask of the queue positions of all requests, or of all row hits, of the banks in the mask `bank_mask`.
+  /// Returns a mask of the queue positions of all requests for the banks in the mask `bank_mask`.
   std::uint64_t request_position_mask_of_banks(std::uint32_t bank_mask) const {
     return waiting_.bitwise_or_of(bank_mask);
   }
+  /// Returns a mask of the queue positions of all row hits of the banks in the mask `bank_mask`.
   std::uint64_t hit_position_mask_of_banks(std::uint32_t bank_mask) const { return hits_.bitwise_or_of(bank_mask); }
 
   void push(const Entry& entry, bool row_is_open) {
@@ -93,7 +94,8 @@ class DramQueue {
     hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{position_mask != 0} << bank;
   }
 
-  /// Removes one request from a mask of queue positions; the bits of later requests move down by one.
+  /// Returns a mask of queue positions without the bit of one removed request. The bits of later requests move down by
+  /// one.
   static std::uint64_t without_position(std::uint64_t position_mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (position_mask & before) | ((position_mask >> 1) & ~before);

@@ -5,10 +5,10 @@
 
 namespace hw {
 
-/// Compares the best command of kind `kCommand` for the given banks of one rank with `best` and keeps the better one.
-/// Constraints of rank and buses delay all banks of the rank equally. So the rank's first slot on the buses goes to the
-/// oldest request whose bank is ready by then. If no bank is ready, the first slot after one becomes ready is assigned
-/// by the same rule.
+/// Replaces `best` if one of the given banks of a rank has a better command of kind `kCommand`. Rank and bus
+/// constraints delay all banks of the rank equally. So the first cycle that they allow goes to the oldest request whose
+/// bank is ready by then. If no bank is ready, the same rule applies to the first free cycle after a bank becomes
+/// ready.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
                                                                       std::uint32_t rank, bool writes, Cycle from,
@@ -21,7 +21,8 @@ template <DramCommand kCommand>
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
     best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
   };
-  // True if the slot is later than the best command so far, or if a command has been found for it.
+  // Tries to find a command that starts at cycle `slot`. True if the search ends: a command was found, or `best` is
+  // earlier.
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
     const std::uint32_t ready = bank_mask & device_.ready_bank_mask<kCommand>(writes, slot);

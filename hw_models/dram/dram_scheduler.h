@@ -10,15 +10,16 @@
 
 namespace hw {
 
-/// The command that a DRAM channel will issue next unless a new request changes it. It is one number that sorts by
-/// preference: earliest cycle, then kind of command, then oldest request. The low bits hold the bank.
+/// The next command of a DRAM channel, unless a new request changes the choice. It is encoded as one number, so that
+/// the preferred command is the smallest: by earliest cycle, then kind of command, then age of the request. The low
+/// bits hold the bank.
 class ScheduledCommand {
  public:
   using Cycle = CommandCalendar::Cycle;
 
-  /// Constructs the absence of a command, which sorts after every command.
+  /// Constructs the value for no command, which sorts after every command.
   ScheduledCommand() = default;
-  /// A command that starts at cycle `at`, for the request at position `position` of its DramQueue.
+  /// Constructs a command that starts at cycle `at` for the request at position `position` of its DramQueue.
   ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
       : key_(at << kAt.first | std::uint64_t{static_cast<std::uint8_t>(command)} << kCommand.first |
              position << kPosition.first | bank << kBank.first) {}
@@ -31,7 +32,7 @@ class ScheduledCommand {
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
-  /// A field of `bits` bits, from bit `first` on, in the number that encodes a command.
+  /// Bit field of a number that encodes a command: `bits` bits, the lowest of which is bit `first`.
   struct BitField {
     std::uint32_t first, bits;
     constexpr std::uint64_t extract_from(std::uint64_t key) const {
@@ -44,10 +45,10 @@ class ScheduledCommand {
   std::uint64_t key_ = kNone;
 };
 
-/// Masks of the banks for which a scheduling policy allows a command.
+/// Masks of the DRAM banks for which a scheduling policy allows commands.
 struct EligibleBanks {
   std::uint32_t all = 0;      ///< banks for which any command is allowed
-  std::uint32_t columns = 0;  ///< banks for which a read or write of the open row is allowed
+  std::uint32_t columns = 0;  ///< banks whose next command may be a read or write of the open row
 };
 
 /// FR-FCFS (first ready, first come, first served; Rixner et al. 2000). A row hit may overtake older requests of its
@@ -59,23 +60,24 @@ struct FrFcfs {
       banks.columns = hit_bank_mask_without_overtaking(queue);
     return banks;
   }
-  /// Returns a mask of the banks with row hits. The bank of the oldest request is included only if that request is a
-  /// hit.
+  /// Returns a mask of the banks with queued row hits. The bank of the oldest request is included only if that request
+  /// is a row hit.
   static std::uint32_t hit_bank_mask_without_overtaking(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest_entry().address.bank;
     return (queue.hit_position_mask(bank) & 1) != 0 ? queue.hit_bank_mask() : queue.hit_bank_mask() & ~(1U << bank);
   }
 };
 
-/// FCFS (first come, first served): the oldest request blocks all others.
+/// FCFS (first come, first served): the oldest request in the DRAM queue blocks all others.
 struct Fcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
     return {1U << queue.oldest_entry().address.bank, FrFcfs::hit_bank_mask_without_overtaking(queue)};
   }
 };
 
-/// Chooses a DRAM channel's next command among the banks that the policy allows: the one with the earliest cycle; among
-/// equals a column command before an activate before a precharge; then the one of the oldest request.
+/// Chooses a DRAM channel's next command among the banks that the policy allows. The earliest command wins. Among
+/// equally early ones, a column command precedes an activate, an activate a precharge, and then the oldest request
+/// wins.
 class DramScheduler {
  public:
   using Cycle = DramDevice::Cycle;
@@ -83,8 +85,8 @@ class DramScheduler {
   DramScheduler(const DramConfig& config, const DramDevice& device)
       : policy_(config.controller.scheduler), ranks_(config.organisation.ranks), device_(device) {}
 
-  /// Returns the best command for the requests in the queue. `writes`: the queue holds writes. `is_overdue`: its oldest
-  /// request has exceeded the age limit.
+  /// Returns the preferred command for the requests in a DRAM queue. `writes`: the queue is the write queue.
+  /// `is_overdue`: its oldest request exceeds the age limit.
   ScheduledCommand best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const;
 
  private:
@@ -99,15 +101,15 @@ class DramScheduler {
 
 /// Decides whether a DRAM row is closed after its last queued hit.
 ///
-/// The adaptive policy closes it if a request for another row of the bank waits. Otherwise it uses a two-bit counter
-/// per bank, which counts how often the next request needed another row; it closes the row if the counter is in its
-/// upper half. Only the next request after a last hit is counted, independent of the decision and of refreshes.
+/// The adaptive policy closes the row if a request for another row of the bank waits. Otherwise a two-bit saturating
+/// counter per bank decides: the row is closed if the counter is at least 2. The first request after a last hit moves
+/// the counter up if it needs another row, otherwise down, whatever was decided for that row.
 class DramPagePolicy {
  public:
   explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}
 
-  /// True if the row is to be closed after the hit that is being served, the last one queued. `other_rows_wait`:
-  /// requests for other rows of the bank wait.
+  /// True if the row is to be closed after the row hit being served, when no further hit is queued. `other_rows_wait`:
+  /// requests for other rows of the bank are queued.
   bool closes_row(std::uint32_t bank, std::uint32_t row, bool other_rows_wait) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
     if (other_rows_wait) {
@@ -119,7 +121,7 @@ class DramPagePolicy {
     return others_[bank] >= 2;
   }
 
-  /// Updates the bank's prediction for an arriving request.
+  /// Updates the row predictor of a DRAM bank when a request arrives.
   void note_request(std::uint32_t bank, std::uint32_t row) {
     if ((unproven_ >> bank & 1) == 0) return;
     unproven_ &= ~(1U << bank);
@@ -135,7 +137,7 @@ class DramPagePolicy {
   PagePolicy policy_;
   std::uint32_t unproven_ = 0;  ///< mask of the banks whose next request updates the counter
   std::array<std::uint32_t, 32> last_row_{};
-  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank
+  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank: at least 2 predicts another row
 };
 
 }  // namespace hw

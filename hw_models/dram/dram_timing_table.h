@@ -45,11 +45,11 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
     {DramCycleReason::kPowerDown, sim::working_reason("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
-/// Operations of a bank or rank between which DRAM timing constraints apply. A read or write is the whole sequence of
-/// column commands of one line, and starts with the first.
+/// Operations of a DRAM bank or rank between which timing constraints apply. A read or write consists of all column
+/// commands of one line. It starts with the first of them.
 enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
 
-/// Banks to which a timing constraint applies, relative to the bank of its first operation.
+/// Banks to which a DRAM timing constraint applies, relative to the bank of the earlier operation.
 enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
 
 /// DRAM timing parameters in cycles, and sums of them that several constraints use.
@@ -67,18 +67,18 @@ struct DramTerms : DramTiming {
   std::int64_t read_end, write_end;          ///< cycles from the first column command of a line to the end of its data
 };
 
-/// A DRAM timing constraint: operation `to`, on a bank within `scope`, starts at least `cycles` after the operation
-/// `from`. With `count` > 1 it counts from the `count`th last such operation.
+/// A DRAM timing constraint: operation `to` must start at least `cycles` after the last operation `from`, on all banks
+/// of `scope`. If `count` > 1, the distance is measured from the `count`th last operation `from`.
 struct DramConstraint {
   DramScope scope;
   DramOp from, to;
-  std::int64_t (*cycles)(const DramTerms& t);         ///< may be negative towards other ranks
-  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason charged while a command waits for this constraint
+  std::int64_t (*cycles)(const DramTerms& t);         ///< minimum distance in cycles; may be negative for other ranks
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason to which cycles of this wait are charged
   std::uint32_t count = 1;
 };
 
-/// The timing constraints of all DRAM speed grades (JESD209). DramDevice applies them after each operation. A new
-/// command needs an operation, its rows in this table, and its change of state in DramDevice.
+/// The timing constraints of all DRAM speed grades (JESD209). DramDevice applies them after each operation. To add a
+/// command, add an operation, its rows in this table, and its state change in DramDevice.
 inline constexpr auto kDramConstraints = [] {
   using enum DramScope;
   using Op = DramOp;
@@ -117,7 +117,7 @@ inline constexpr auto kDramConstraints = [] {
   });
 }();
 
-/// Returns the cycles of each timing constraint for a DRAM configuration (configs/dram/).
+/// Returns the number of cycles of each entry of kDramConstraints for a DRAM configuration (configs/dram/).
 inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
   std::array<std::int64_t, kDramConstraints.size()> cycles{};
   const DramTerms terms(config);
