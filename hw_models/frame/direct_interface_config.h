@@ -7,8 +7,8 @@
 
 namespace hw {
 
-/// Configuration of the path of rays and hits between shader core and T&I unit: the direct interface, or the path
-/// through memory that replaces it.
+/// Configuration of the path of rays and hits between shader core and T&I unit: a direct interface, or a path through
+/// memory.
 struct DirectInterfaceConfig {
   bool enabled = true;
   std::uint32_t depth = 64;

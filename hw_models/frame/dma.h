@@ -16,12 +16,12 @@ namespace hw {
 ///
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
-/// 1. The DMA may sRGB-encode finished pixels with a table, as kernel pack_colour would. Then a line takes as many
-/// cycles as it takes to read its linear colours from the tile buffer.
-/// 2. A write is done when its last line has been sent, a read when its last line has arrived.
-/// 3. Part of a line costs as much as a whole line.
+/// 1. The DMA may sRGB-encode finished pixels with a table, instead of kernel pack_colour. A line then takes as many
+/// cycles as reading its linear colours from the tile buffer.
+/// 2. A job that writes is done when its last line has been sent, a job that reads when its last line has arrived.
+/// 3. A partial line costs as much as a whole line.
 ///
-/// Not modelled: reads of partial lines before writing them.
+/// Not modelled: the read of the old line before a partial write.
 class Dma {
  public:
   static constexpr const char* kName = "core.dma";
@@ -38,7 +38,7 @@ class Dma {
       std::uint64_t written = 0, read = 0;
     };
     std::uint64_t jobs = 0, lines_written = 0, lines_read = 0, pixels_encoded = 0;
-    std::array<Lines, kAreas> lines{};  ///< lines moved, by Area
+    std::array<Lines, kAreas> lines{};  ///< lines moved by the DMA, by Area of memory
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.jobs), "transfers finished");
       counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
@@ -61,7 +61,7 @@ class Dma {
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< number of the DMA's core, for events
+    std::uint32_t core = 0;  ///< number of the core that owns the DMA, reported in events
   };
 
   Dma(Links links, std::uint16_t client, sim::Clock clock) : clock_(clock), links_(links), client_(client) {}
@@ -87,10 +87,10 @@ class Dma {
   bool active_ = false;
   DmaJob job_;
   Addr next_line_ = 0;
-  std::uint32_t lines_left_ = 0;  ///< lines of the job not requested yet
+  std::uint32_t lines_left_ = 0;  ///< lines of the current DMA job not requested yet
   std::uint32_t replies_left_ = 0;
-  sim::Time begun_at_ = 0;    ///< start time of the job
-  sim::Time encoded_at_ = 0;  ///< time at which the next line is encoded; only for jobs with encoding
+  sim::Time begun_at_ = 0;    ///< start time of the current DMA job
+  sim::Time encoded_at_ = 0;  ///< time at which sRGB encoding of the next line ends
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -16,21 +16,21 @@
 
 namespace hw {
 
-/// A FIFO queue in memory, for rays or hits of one core: records are written to a ring buffer in memory and read back
-/// in order.
+/// A FIFO queue of one core's rays or hits (records). Records are written to a ring buffer in memory and read back in
+/// order.
 ///
 ///   in --> [records of a line] --write--> ring in memory --read--> [lines read back] --> out
 ///
-/// 1. Records are packed without gaps. A line is written when it is full, or early when all complete records have been
-/// delivered.
-/// 2. A written line is read back at once, as long as fewer than `depth` records are requested or wait at the output.
+/// 1. Records are packed without gaps. A line is written when it is full. A partial line is written if it contains the
+/// next record to deliver.
+/// 2. A written line is read back at once, unless `depth` records are already requested or wait at the output.
 /// 3. A read follows its write on the same link, so it cannot overtake the write on the way to the L2.
-/// 4. Memory holds up to `ring` records.
+/// 4. The ring buffer holds up to `ring` records.
 template <class Record>
 class MemoryFifo {
  public:
   struct Shape {
-    Addr base = 0;  ///< start address of the ring, a multiple of the line size
+    Addr base = 0;  ///< start address of the ring buffer, a multiple of the line size
     std::uint32_t record_bytes = 0, ring = 0, depth = 0;
     std::uint16_t client = 0;  ///< client number of this queue at the core's port
   };
@@ -41,17 +41,17 @@ class MemoryFifo {
     sim::Link<MemResponse>& memory_in;
   };
   struct Counts {
-    std::uint64_t records = 0, written = 0, read = 0;  ///< `written` and `read` in lines or parts of lines
+    std::uint64_t records = 0, written = 0, read = 0;  ///< `written` and `read` count whole and partial lines
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
   MemoryFifo(const Shape& shape, const Links& links)
       : shape_(shape), links_(links), records_(shape.ring), chunks_(max_chunks(shape)) {}
 
-  /// Returns the size of the ring in bytes, in whole lines.
+  /// Returns the size of the ring buffer in bytes, rounded up to whole lines.
   static Addr memory_bytes(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
 
-  /// Advances the queue by one cycle; true if a record or request has moved.
+  /// Advances the FIFO by one cycle. Returns true if it accepted or delivered a record, or sent a request.
   bool tick(sim::Time now) {
     take_lines(now);
     bool moved = deliver_record(now);
@@ -83,14 +83,15 @@ class MemoryFifo {
     Record record;
     sim::Time arrived = 0;
   };
-  /// A read request and the byte of the record stream at which it ends.
+  /// A read request to the ring buffer. `end`: end of the requested bytes, counted in the stream of all records.
   struct Chunk {
     Addr end = 0;
     bool has_arrived = false;
   };
 
   static Addr end_of_line(Addr address) { return line_of(address) + kLineBytes; }
-  /// Returns the maximum number of outstanding read requests. Each ends at the end of a record or of a line.
+  /// Returns the maximum number of outstanding read requests of a FIFO. Each request ends at the end of a record or of
+  /// a line.
   static std::size_t max_chunks(const Shape& shape) {
     return shape.depth * (std::size_t{shape.record_bytes} / kLineBytes + 2);
   }
@@ -122,8 +123,7 @@ class MemoryFifo {
     return true;
   }
 
-  /// Sends one request to memory, if there is one. Reads have priority over writes, because they free space in the
-  /// ring.
+  /// Sends one pending request to memory. Reads have priority over writes, because they free space in the ring buffer.
   bool send_request(sim::Time now) {
     const bool read = can_read();
     if ((!read && !can_write()) || !links_.memory_out.can_push(now)) return false;
@@ -160,24 +160,25 @@ class MemoryFifo {
 
   const Shape shape_;
   Links links_;
-  std::vector<Entry> records_;                      ///< records in the ring; memory itself holds no data
-  std::vector<Chunk> chunks_;                       ///< read requests sent, in order
-  std::uint64_t first_ = 0, last_ = 0;              ///< outstanding read requests are first_ to last_ - 1
-  std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records taken and delivered so far
+  std::vector<Entry> records_;                      ///< records in the ring buffer; the simulated memory stores no data
+  std::vector<Chunk> chunks_;                       ///< sent read requests, in order
+  std::uint64_t first_ = 0, last_ = 0;              ///< numbers of the outstanding read requests: first_ to last_ - 1
+  std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records accepted and delivered so far
   Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes written, requested and read back so far
   Counts counts_;
   LatencySum latency_;
 };
 
-/// Carries a core's rays and hits through memory if the direct interface between SRP and T&I unit is off.
+/// Carries a core's rays and hits through memory if there is no direct interface between shader core (SRP) and T&I
+/// unit.
 ///
 ///   SRP --> rays --> [ring of rays in memory] --> T&I unit
 ///   SRP <-- hits <-- [ring of hits in memory] <-- T&I unit
 ///
 /// 1. Rays and hits are separate clients of the core's cache port; each sends one request per cycle.
-/// 2. There is no first-level cache. The L2 handles the writes by its policy (l2.writes).
+/// 2. The requests bypass the first-level caches. The L2 handles writes by its write policy (l2.writes).
 ///
-/// Not modelled: the energy of its buffers, which are those of the direct interface.
+/// Not modelled: the energy of its buffers.
 class MemoryInterface {
  public:
   static constexpr const char* kName = "core.memory_interface";
@@ -210,14 +211,14 @@ class MemoryInterface {
   using Rays = MemoryFifo<RayJob>;
   using Hits = MemoryFifo<RayDone>;
 
-  /// `base`: start address of its memory. `client`: client number of the rays at the core's port; the hits have the
-  /// next number.
+  /// `base`: start address of the ring buffers. `client`: client number of the rays' requests at the core's port; hits
+  /// have the next number.
   MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;
   MemoryInterface& operator=(const MemoryInterface&) = delete;
 
-  /// Returns the size in bytes of the memory that one core's rays and hits need.
+  /// Returns the size in bytes of the ring buffers for the rays and hits of one core.
   static Addr memory_bytes(const DirectInterfaceConfig& config);
 
   sim::Time tick(sim::Time now);

@@ -87,7 +87,7 @@ void TileDispatcher::collect_messages(sim::Time now) {
       continue;
     }
     note_borders_written(done.work->tile,
-                         (1U << traces::kMostBorders) - 1);  // the tile will not write its remaining borders
+                         (1U << traces::kMostBorders) - 1);  // a finished tile writes no more borders
     if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.tile, now});
     source_.give_back(done.work);
     in_flight_[core] -= 1;
@@ -114,7 +114,7 @@ std::uint32_t TileDispatcher::missing_borders(const traces::TileWork& work) cons
   return bits;
 }
 
-/// Sends an update to each core whose tile imports a border that has been written since, if the link has room.
+/// Sends an update to each core with a tile for which another imported border is now in memory, if the link has room.
 void TileDispatcher::notify_importers(sim::Time now) {
   for (Importer& i : importers_) {
     if (!i.update_pending || !links_.to_core[i.core]->can_push(now)) continue;

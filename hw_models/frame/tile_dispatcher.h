@@ -15,26 +15,26 @@
 
 namespace hw {
 
-/// Supplies a frame's tiles to the tile dispatcher, in the order of the tile list.
+/// Interface from which the tile dispatcher gets the tiles of a frame, in the order of the tile list.
 class TileSource {
  public:
   virtual ~TileSource() = default;
-  /// Returns the work of the next tile, or null at the end of the frame. The work stays valid until give_back().
+  /// Returns the work of the next tile, or null at the end of the frame. The returned work stays valid until it is
+  /// passed to give_back().
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
   /// Called when the tile returned by the last next() is dispatched to a core at time `now`.
   virtual void note_dispatched([[maybe_unused]] sim::Time now) {}
 };
 
-/// The tile dispatcher sends tiles to the cores in the order of the tile list, and tracks which tile borders are in
-/// memory.
+/// Sends tiles to the cores in the order of the tile list, and tracks which tile borders are in memory.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 ///   borders written, tiles finished --> [tiles that import them] --------> updates for cores
 ///
-/// 1. A tile goes to the next core, round robin, that has room for one.
-/// 2. A tile is dispatched before the borders that it imports are in memory. Only its transfers that read them wait,
-/// until the core gets an update.
+/// 1. A tile goes to the next core, in round-robin order, that has room for a tile.
+/// 2. A tile may be dispatched before the borders that it imports are in memory. Only the transfers that read these
+/// borders wait, until the dispatcher sends the core an update.
 /// 3. A tile marked `after_all` (TileWork) waits until all tiles before it are finished. It begins a later pass, in
 /// which a core may have more tiles at once.
 /// 4. There is no deadlock. Borders belong to earlier tiles, which are dispatched first. So the oldest tile imports
@@ -62,12 +62,12 @@ class TileDispatcher {
   struct Links {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
-    std::vector<sim::Link<Flush>*>
-        to_l2;  ///< links to the L2 banks, for a Flush when the last tile is finished; may be empty
+    /// Links to the L2 banks for the Flush message after the last tile; may be empty.
+    std::vector<sim::Link<Flush>*> to_l2;
     Observer* observer = nullptr;
   };
 
-  /// `starts`: for each core, the number of cycles before it may get its first tile; empty: 0 for all cores.
+  /// `starts`: for each core, the first cycle in which it may get a tile; empty: cycle 0 for all.
   TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
                  std::span<const std::uint32_t> starts = {});
   TileDispatcher(const TileDispatcher&) = delete;
@@ -84,14 +84,14 @@ class TileDispatcher {
   bool is_done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
-  /// Returns the maximum number of messages in flight from a core that works on `tiles_per_core` tiles: one per border
-  /// and one per end of a tile.
+  /// Returns the maximum number of messages in flight from a core to the dispatcher: for each of its tiles, one per
+  /// border and one for the end of the tile.
   static constexpr std::size_t max_messages(std::size_t tiles_per_core) {
     return tiles_per_core * (traces::kMostBorders + 1);
   }
 
  private:
-  /// A tile in flight that imports borders which are not in memory yet.
+  /// A dispatched tile that imports borders which are not in memory yet.
   struct Importer {
     std::size_t core = 0;
     TileJob job;
@@ -115,11 +115,11 @@ class TileDispatcher {
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
   std::vector<sim::Time> start_at_;    ///< earliest time of each core's first tile
-  std::vector<std::uint8_t> written_;  ///< mask of the borders in memory, by tile number
-  std::vector<Importer> importers_;    ///< tiles in flight with missing borders, in dispatch order
+  std::vector<std::uint8_t> written_;  ///< mask of each tile's borders that are in memory, by tile number
+  std::vector<Importer> importers_;    ///< dispatched tiles with missing imported borders, in dispatch order
   std::size_t turn_ = 0;
-  bool has_samples_ = false;    ///< a tile with samples has been dispatched; tiles of a geometry pass have none
-  bool is_later_pass_ = false;  ///< an `after_all` tile has been dispatched after a tile with samples
+  bool has_samples_ = false;    ///< a tile with samples was dispatched; geometry passes have none
+  bool is_later_pass_ = false;  ///< an `after_all` tile was dispatched after a tile with samples
   bool flushed_ = false;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

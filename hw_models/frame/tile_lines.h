@@ -8,8 +8,8 @@
 
 namespace hw {
 
-/// Returns the BVH as it is in memory and as a traversal unit with two box testers reads it; without the links that
-/// only prefetching needs.
+/// Returns the memory layout of the BVH, as read by a traversal unit with two box testers. Parent links, which only
+/// prefetching needs, are left out.
 inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
   return {.nodes = layout.nodes,
           .node_bytes = layout.node_bytes,
@@ -17,9 +17,8 @@ inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
           .instances = layout.instances};
 }
 
-/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads: first the nodes and
-/// triangles of its rays, ray by ray, then the accesses of its kernels. A simulated machine reads these lines in
-/// another order.
+/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads. The order is that of the
+/// rays, then of the kernels' accesses; a simulated machine reads the lines in another order.
 template <class Node, class Triangle, class Data>
 void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                    Data&& data) {

@@ -14,7 +14,7 @@ namespace hw {
 
 ScheduledKernels schedule_kernels(const GpuConfig& config) {
   SrpConfig srp = config.srp;
-  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more ports than any kernel can use
+  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // no kernel can use more
   ScheduledKernels out;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     out.kernels.push_back(schedule_kernel(kernel.graph, srp));
@@ -25,8 +25,8 @@ ScheduledKernels schedule_kernels(const GpuConfig& config) {
 
 namespace {
 
-constexpr std::uint32_t kStarts = 8;   // a core starts 0 to 7 cycles late
-constexpr std::uint32_t kFabrics = 3;  // fabric latency changes by -1, 0 or +1 cycles
+constexpr std::uint32_t kStarts = 8;   // a core starts 0 to 7 cycles after time 0
+constexpr std::uint32_t kFabrics = 3;  // DRAM fabric latency changes by -1, 0 or +1 cycles
 
 }  // namespace
 
@@ -43,12 +43,11 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 
 namespace {
 
-/// Returns the size in bytes of the memory for one core's largest ray spill: rays and hits of one chunk, in two
-/// batches.
+/// Returns the size in bytes of the memory for one core's ray spills: rays and hits of one chunk, for two batches.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 
-/// Returns the start addresses of the frame's areas in memory for one core: the regions after the scene, then space for
-/// the core's ray spill.
+/// Returns the start address of each Area in memory: the frame's regions after the scene, then the given core's space
+/// for spilled rays.
 std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu::Workload& workload,
                                               std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
@@ -61,13 +60,14 @@ std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu
   return areas;
 }
 
-/// Returns the address of the memory through which one core's rays and hits pass without a direct interface.
+/// Returns the start address of a core's ring buffers for rays and hits, used without a direct interface.
 Addr record_memory_of_core(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   const Addr spills_end = memory_areas_of_core(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
   return spills_end + core * MemoryInterface::memory_bytes(config.direct_interface);
 }
 
-/// Returns the addresses of the rasterisers' arrays, which all cores share; they follow the areas of all cores.
+/// Returns the addresses of the arrays that the rasterisers of all cores share. They follow the memory areas of all
+/// cores.
 RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
   return {round_up_to_lines(record_memory_of_core(config, workload, config.cores)), *workload.needs.raster};
 }
@@ -95,7 +95,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
-  // The L2 receives writes only of rays, of hits and of a rasteriser's geometry pass.
+  // The L2 receives writes only of rays and hits without a direct interface, and of a rasteriser's geometry pass.
   const bool writes = !config.direct_interface.enabled || workload.needs.raster;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.link_flushes(dispatcher_id_);
@@ -111,7 +111,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
       machine_.unit({name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
                      config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
-  const auto known = sim::Lookahead::kByOwner;  // run_limits() bounds how early a tile can arrive
+  const auto known = sim::Lookahead::kByOwner;  // Gpu::run_limits() accounts for these links
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
@@ -194,7 +194,7 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
   }
-  std::vector<MemoryPort> records;  // ports for the rays and for the hits
+  std::vector<MemoryPort> records;  // memory ports for the rays and for the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
     records = memory_.add_cache_clients(core_number, std::array{client, client});
@@ -209,18 +209,18 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
 }
 
 sim::RunLimits Gpu::run_limits(sim::Time now) const {
-  // Once all tiles are finished, the run may end at any time.
+  // After the last tile the run may end at any time, so no unit may run ahead.
   if (stopped_ || dispatcher_->is_done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
   const sim::Time lookahead = std::min(machine_.min_lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
   const sim::Time end = std::min(now + lookahead, next_tile);
-  // A tile may end within this time, so the dispatcher must not run ahead.
+  // A tile may end before the end of this lookahead, so the dispatcher must not tick ahead of the cores.
   return {dispatch, dispatcher_->has_more_tiles() ? end : std::min(end, earliest_end_of_last_tile(now))};
 }
 
-/// Returns the earliest time at which the tile dispatcher can receive the end of the last tile. Called when no tile is
-/// left to dispatch.
+/// Returns a lower bound of the time at which the tile dispatcher is notified of the end of the last tile. Requires
+/// that no tile is left to dispatch.
 sim::Time Gpu::earliest_end_of_last_tile(sim::Time now) const {
   sim::Time at = now + cores_.front().tiles_out.latency();
   for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());

@@ -24,50 +24,50 @@
 
 namespace hw {
 
-/// The schedules and bank conflicts of all kernels on the shader cores of a configuration, by KernelId.
+/// Schedules and tile buffer bank conflicts of all kernels, by KernelId, for the shader cores of one configuration.
 struct ScheduledKernels {
   std::vector<KernelSchedule> kernels;
   std::vector<BankConflicts> conflicts;
 };
 ScheduledKernels schedule_kernels(const GpuConfig& config);
 
-/// Small change of a GPU's timing, to measure how much results depend on chance (docs/noise.md): cores start a few
-/// cycles later, the memory fabric takes one command clock cycle more or less, refreshes have another phase. After
-/// Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003. By default
-/// it changes nothing.
+/// Small change of a GPU's timing, to measure how much results depend on chance (docs/noise.md). Cores start a few
+/// cycles later, the DRAM fabric latency differs by one cycle, refreshes have another phase. The default is no change.
+/// Method: Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003.
 struct Perturbation {
-  std::vector<std::uint32_t> starts;  ///< cycles after time 0 before each core's first tile; empty: 0 for all cores
+  std::vector<std::uint32_t> starts;  ///< for each core, the first cycle in which it may get a tile; empty: cycle 0 for
+                                      ///< all
   DramPerturbation dram;
 };
 
-/// Returns the timing perturbation of one repetition of a frame, from a hash; repetition 0 is unperturbed.
+/// Returns the pseudo-random timing perturbation of one repetition of a frame. Repetition 0 is unperturbed.
 Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
-/// Lines in the caches of a machine between two frames.
+/// Contents of all caches of a GPU between two frames.
 struct CacheContents {
   std::vector<CacheTags> first_level;  ///< core by core: TRVs, IST, data cache, rasteriser
   std::vector<L2Store> l2;             ///< by bank
-  std::vector<L2Store> slc;            ///< by slice of the system cache, which may hold dirty lines
+  std::vector<L2Store> slc;            ///< by slice of the system cache; lines may be dirty
 };
 
-/// The simulated GPU: cores, the memory side that they share, and the tile dispatcher.
+/// The simulated GPU: cores, the memory system that they share, and the tile dispatcher.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
 ///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
 ///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
 ///
-/// 1. If the frame needs rasterisers, each core has one, as a further client of its port.
+/// 1. If the frame needs rasterisers, each core has one, which is another client of the core's port.
 /// 2. Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
 class Gpu {
  public:
   /// Properties of a frame that a GPU needs in addition to the tiles.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;  ///< parent of each node of the BVH
+    std::span<const std::uint32_t> parents;  ///< parent node of each node of the BVH
     traces::FrameRequirements needs{.tile_samples = 256};
-    bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
+    bool dma_encodes = false;  ///< the DMA engines sRGB-encode finished pixels
     Observer* observer = nullptr;
-    /// Schedules of all kernels from a GPU with the same shader cores; if null, the kernels are scheduled on
+    /// Schedules of all kernels, taken from a GPU with equal shader cores. Null: the kernels are scheduled on
     /// construction.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
@@ -82,40 +82,41 @@ class Gpu {
   sim::RunLimits run_limits(sim::Time now) const;
   sim::Time livelock_timeout() const { return livelock_timeout_; }
 
-  /// Charges every unit's time up to the end of the run. Call once, with the time that the engine returned.
+  /// Updates the counters and cycle reasons of all units to the end of the run. Call once, with the time that the
+  /// engine returned.
   void finish(sim::Time last_edge);
-  /// Returns the end of the run, rounded up to whole T&I cycles. Call after finish().
+  /// Returns the simulated time of the run, rounded up to whole T&I cycles. Call after finish().
   sim::Time elapsed_time() const { return elapsed_; }
   std::uint64_t elapsed_cycles() const { return tni_clock_.cycles(elapsed_); }
 
-  /// Updates all counters to the time `now` while the GPU runs. `now`: a time at which a tile is dispatched.
+  /// Updates the counters of all units to the time `now` during the run. `now` must be a time at which a tile is
+  /// dispatched.
   void account_until(sim::Time now) { machine_.account_until(now); }
-  /// Ends the run early, at the dispatch of the last tile of the list. Tiles in flight are left unfinished.
+  /// Ends the run now; tiles in flight remain unfinished. Call at the dispatch of the last tile of the list.
   void stop_early() { stopped_ = true; }
   bool is_stopped() const { return stopped_; }
 
-  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher. For progress, while the GPU still
-  /// runs.
+  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher. Shows progress during a run.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
-  /// Returns the counters of all units, in a fixed order.
+  /// Returns the reports (counters and cycle reasons) of all units, in a fixed order.
   std::vector<sim::UnitReport> unit_reports() const { return machine_.report(); }
-  /// Returns the cost of each kernel, summed over the cores, by KernelId.
+  /// Returns the use of shader core time by each kernel, summed over the cores, by KernelId.
   std::vector<KernelUse> kernel_use() const;
   const std::vector<KernelSchedule>& kernel_schedules() const { return scheduled_->kernels; }
   const std::shared_ptr<const ScheduledKernels>& scheduled_kernels() const { return scheduled_; }
   std::uint32_t core_count() const { return static_cast<std::uint32_t>(cores_.size()); }
 
-  /// Puts the cache lines that a tile reads into the caches of a core, and those that miss there into the L2. Takes no
-  /// simulated time and counts no accesses. Returns the number of lines put into the L2.
+  /// Puts the cache lines that a tile reads into the first-level caches of a core and, if they miss there, into the L2
+  /// and the system cache. Takes no simulated time and counts no accesses. Returns the number of lines put into the L2.
   std::uint64_t warm_caches(const traces::TileWork& work, std::uint32_t core);
-  /// Returns the number of lines that the L2 and the system cache can hold.
+  /// Returns the capacity of the L2 and the system cache together, in lines.
   std::uint64_t shared_line_count() const {
     return (config_.l2.cache.size.bytes + config_.slc.cache.size.bytes) / config_.l2.cache.line.bytes;
   }
-  /// Returns the lines in all caches, before the first cycle or after the last.
+  /// Returns the contents of all caches. Call before the first cycle or after the last.
   CacheContents cache_contents() const;
-  /// Replaces the lines in all caches, before the first cycle, by those of a machine with equal caches.
+  /// Replaces the contents of all caches by those of a GPU with equal caches. Call before the first cycle.
   void set_cache_contents(const CacheContents& contents);
 
  private:
@@ -128,13 +129,14 @@ class Gpu {
     Dma* dma = nullptr;
     RasterUnit* raster = nullptr;  ///< null: the core has no rasteriser
   };
-  /// The links of a direct interface, or the links between each end and a memory interface.
+  /// Links for rays and hits between shader core and T&I unit: those of the direct interface, or those of each end to
+  /// the memory interface.
   struct Interface {
     sim::Link<RayJob>&rays_from_srp, &rays_to_tni;
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;
   };
 
-  /// The links of a rasteriser to its core and to memory.
+  /// Links of a rasteriser to its shader core and to memory.
   struct RasterWires {
     sim::UnitId unit;
     sim::Link<RasterJob>& jobs;

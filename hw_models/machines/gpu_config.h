@@ -18,8 +18,8 @@
 
 namespace hw {
 
-/// Hardware resources that the model makes ideal, one or several at a time, so that they cost no time. A run with an
-/// ideal resource bounds the gain from better hardware of that kind.
+/// Selects hardware resources that are simulated as ideal: they cost no time. A run with an ideal resource bounds the
+/// gain from better hardware of that kind.
 struct IdealConfig {
   bool tni = false;
   bool l1 = false;
@@ -31,7 +31,7 @@ struct IdealConfig {
 
   struct Resource {
     const char* name;
-    const char* words;  ///< plural noun, for sentences
+    const char* words;  ///< plural noun phrase for use in sentences
     bool IdealConfig::*member;
     const char* meaning;
   };
@@ -59,7 +59,7 @@ inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = 
      "any number of requests and lines per cycle, each in one cycle"},
 }};
 
-/// Clock domains on the chip. The clock of the memory is part of the memory's configuration.
+/// Configuration of the clock domains of the chip. The DRAM clock is part of the DRAM configuration.
 struct ClockConfig {
   sim::Frequency tni{500'000'000};
   sim::Frequency srp{1'000'000'000};

@@ -5,12 +5,12 @@
 namespace hw {
 namespace {
 
-/// Safety factor for effects that the timeout's formula ignores; chosen.
+/// Safety factor of the livelock timeout for effects that its formula ignores; chosen.
 constexpr sim::Time kMargin = 8;
-/// Upper limit of the timeout: longer than any frame, and small enough for arithmetic without overflow.
+/// Upper limit of the livelock timeout: longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Upper bound of the memory lines that a unit reads one after the other for one item, such as a ray's visit to a node.
-/// No record in memory spans more lines.
+/// Upper bound of the memory lines that a unit reads one after another for one item, such as a ray's visit to a BVH
+/// node. No record in memory has more lines.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk_time(const GpuConfig& config, std::span<const KernelSchedule> kernels,
@@ -24,7 +24,7 @@ sim::Time longest_chunk_time(const GpuConfig& config, std::span<const KernelSche
   return (cycles + config.srp.switch_cycles) * config.clocks.srp.clock().period();
 }
 
-/// Returns the latency from a core to a DRAM channel and back, with empty queues.
+/// Returns the latency from a core to a DRAM channel and back when all queues are empty.
 sim::Time round_trip_latency(const GpuConfig& config) {
   const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
   const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
@@ -35,7 +35,7 @@ sim::Time round_trip_latency(const GpuConfig& config) {
          config.dram.fabric.time;
 }
 
-/// Returns the worst latency of one line in a DRAM channel that serves no other request.
+/// Returns the worst-case latency of a line in a DRAM channel that serves no other request.
 sim::Time worst_line_latency(const DramConfig& dram) {
   const DramTiming& t = dram.timing;
   const sim::Time cycles = std::max(t.rfc_ab, t.rfc_pb) + t.xp + t.rp_ab + t.rc + t.rcd + t.rl + t.dqsck + t.wr +

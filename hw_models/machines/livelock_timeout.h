@@ -8,9 +8,9 @@
 
 namespace hw {
 
-/// Returns the longest time that a GPU may run without retiring an item before the run is a livelock: the key
-/// `watchdog`. If that is 0, several times the longest latency of an item: a chunk of the longest kernel, then lines
-/// from memory; every line waits for all requests that can be in flight, a refresh, a power-up and a row change.
+/// Returns the time without a retired item after which a run counts as a livelock: the value of key `watchdog`. If that
+/// is 0, it is several times an upper bound of an item's latency: a chunk of the longest kernel, then dependent memory
+/// lines. Each line waits for all requests that can be in flight, a refresh, a power-up and a row change.
 sim::Time livelock_timeout(const GpuConfig& config, std::span<const KernelSchedule> kernels,
                            std::span<const BankConflicts> conflicts);
 

@@ -5,7 +5,8 @@
 namespace hw {
 namespace {
 
-constexpr std::uint32_t kIdealDepth = 256;  // slots of a link of an ideal interconnect: more than can be in flight
+constexpr std::uint32_t kIdealDepth = 256;  // capacity of a link of an ideal interconnect: more messages than can be in
+                                            // flight
 
 }  // namespace
 
@@ -48,7 +49,7 @@ void MemorySystem::declare_ports() {
   link_to_channels(dma_ports_.back());
 }
 
-/// Links a bank to the slices of the system cache, or to the channels where there is none.
+/// Links an L2 bank to the slices of the system cache, or to the DRAM channels if there is no system cache.
 void MemorySystem::link_to_memory(Bank& bank) {
   const auto link = [&](sim::UnitId target, auto& requests, auto& lines) {
     auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, bank.unit, target);
@@ -125,8 +126,8 @@ void MemorySystem::link_to_banks(Port& cache) {
   }
 }
 
-/// Links a core's DMA port to the DRAM channels. The latency towards the core equals that towards the channel, rounded
-/// up to whole memory cycles.
+/// Links a core's DMA port to the DRAM channels. Both directions have the same latency; towards the core it is rounded
+/// up to whole DRAM cycles.
 void MemorySystem::link_to_channels(Port& dma) {
   const sim::Time cycle = config_.dram.timing.ck.time;
   const auto down_distance = static_cast<std::uint32_t>((distance_ * clock_.period() + cycle - 1) / cycle);
@@ -202,7 +203,7 @@ void MemorySystem::build_banks_and_channels() {
                                              bank.links, config_.dram.channel_interleave(), clock_,
                                              config_.interconnect.arbitration, config_.ideal.l2));
   }
-  // Slices have no observer, because observers count look-ups of the L2.
+  // Slices have no observer: they are L2 banks, and observers would count their look-ups as those of the L2.
   for (std::uint32_t k = 0; k < declared_slices_.size(); ++k) {
     slices_.push_back(&machine_.build<SystemCacheSlice>(
         declared_slices_[k].unit, config_.slc.slice_config(config_.dram.channels), static_cast<std::uint16_t>(k),

@@ -15,17 +15,18 @@
 
 namespace hw {
 
-/// Slots of the link that carries requests from a unit to its core's port.
+/// Capacity of the link that carries memory requests from a unit to its core's port.
 inline constexpr std::uint32_t kRequestDepth = 2;
 
-/// The memory side of a GPU: the ports of each core, the L2 banks, the DRAM channels, and the links between them.
+/// The memory system of a GPU: the ports of each core, the L2 banks, the DRAM channels, and the links between them.
 ///
 ///   clients x n of each core --> cache port --> L2 banks --> channels
 ///   DMA of each core ----------> DMA port -----------------> channels
 ///
-/// A slice of the system cache is in front of each channel, if there is one. Background sources send to channels.
+/// If there is a system cache, requests to a channel go through its slice of that cache. Background sources send
+/// requests directly to the channels.
 ///
-/// The ports are declared first, core by core, so that links can connect to them. They are built after their clients.
+/// A core's ports are declared before its units, so that links can connect to them, and built after its units.
 class MemorySystem {
  public:
   enum class Dma : bool { kNo, kYes };  ///< whether cores have DMA ports
@@ -34,18 +35,18 @@ class MemorySystem {
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
                Observer* observer = nullptr);
 
-  /// Declares the cache port and the DMA port of the next core.
+  /// Declares the cache port and the DMA port of the next core, without building them.
   void declare_ports();
-  /// Adds a client to a core's cache port and returns its links.
+  /// Adds a client to a core's cache port and returns the links between them.
   MemoryPort add_cache_client(std::uint32_t core, const MemoryClient& client);
   std::vector<MemoryPort> add_cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
-  /// Links a core's DMA to its port, with dma.depth slots, and returns the links.
+  /// Links a core's DMA engine to the core's DMA port and returns the links. The request link holds dma.depth requests.
   MemoryPort add_dma_client(std::uint32_t core, sim::UnitId dma);
-  /// Returns one link from a unit to each L2 bank, for messages to flush the bank.
+  /// Creates one link from the unit `from` to each L2 bank, for Flush messages. Returns the links.
   std::vector<sim::Link<Flush>*> link_flushes(sim::UnitId from);
 
-  /// Adds a background source to each channel, if background.rate is above 0. Returns links that carry the Flush of
-  /// `from`, by which the sources stop at the end of the frame.
+  /// If background.rate is above 0, adds a source of background traffic to each DRAM channel. Returns one link from the
+  /// unit `from` to each source; a Flush message stops the source.
   std::vector<sim::Link<Flush>*> add_background(sim::UnitId from);
 
   /// Builds the ports of a core and returns its cache port.
@@ -55,7 +56,7 @@ class MemorySystem {
 
   const std::vector<CorePort*>& core_ports() const { return built_ports_; }
   const std::vector<L2Bank*>& l2_banks() const { return banks_; }
-  /// Returns the slices of the system cache, by channel; none without one.
+  /// Returns the slices of the system cache, by DRAM channel; empty without a system cache.
   const std::vector<SystemCacheSlice*>& system_cache_slices() const { return slices_; }
   const std::vector<DramChannel*>& dram_channels() const { return channels_; }
 
@@ -91,8 +92,8 @@ class MemorySystem {
   const DramPerturbation shift_;
   Observer* const observer_;
   const sim::Clock clock_;
-  const std::uint32_t distance_, link_depth_;  ///< latency and slots of the links between ports and banks or channels
-  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; `dma_ports_` is empty without DMA
+  const std::uint32_t distance_, link_depth_;  ///< cycles and capacity of links from ports to banks and channels
+  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; `dma_ports_` is empty if cores have no DMA
   std::vector<Bank> declared_banks_;
   std::vector<Bank> declared_slices_;     ///< by channel, or empty
   std::vector<Source> declared_sources_;  ///< by channel, or empty

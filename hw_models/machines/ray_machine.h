@@ -17,11 +17,11 @@
 
 namespace hw {
 
-/// Takes the place of the shader core: sends one ray every `interval` cycles if the link has room, and accepts every
+/// Replaces the shader core: sends a ray to the T&I unit every `interval` cycles if the link has room, and accepts each
 /// hit at once.
 ///
-/// `Rays` provides the rays by number: `ray_count()`, `ray_walk(ray)`, and `note_returned(ray, now)`, which is called
-/// for each finished ray.
+/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. Its `note_returned(ray, now)` is called for
+/// each finished ray.
 template <class Rays>
 class RaySource {
  public:
@@ -56,7 +56,7 @@ class RaySource {
   sim::Time send_at_ = 0;
 };
 
-/// Builds a core's T&I unit with a source of rays in place of the shader core, and returns the source.
+/// Builds the T&I unit of a core and a source of rays that replaces the shader core. Returns the source.
 ///
 ///   source --> direct interface --> T&I unit --> memory
 template <class Rays>
@@ -70,13 +70,12 @@ RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfa
   return built;
 }
 
-/// The part of a list of rays that one core traverses: with n cores, every nth block of kBlock rays. A block is traced
-/// when first needed, and dropped when all its rays have returned.
+/// The rays of a list that one of n cores traverses: every nth block of kBlock rays. The functional tracer traces a
+/// block when it is first needed. The block is dropped when all its rays have returned.
 class CoreRays {
  public:
   static constexpr std::uint32_t kBlock = 64;
-  /// Called for each finished block with its number of rays; returns whether to continue. If it returns false, the
-  /// core's list ends after the blocks traced so far.
+  /// Callback for each finished block, with its number of rays. If it returns false, the core starts no further block.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
   CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
@@ -108,28 +107,28 @@ class CoreRays {
   std::uint64_t hits_ = 0, steps_ = 0;
 };
 
-/// Progress of a list of rays.
+/// Progress of the traversal of a list of rays.
 struct RaysDone {
   std::uint32_t blocks = 0;  ///< blocks of CoreRays::kBlock rays
   std::uint64_t rays = 0, cycles = 0;
 };
 
-/// A GPU without shader cores: its T&I units, caches and memory traverse a list of rays.
+/// A GPU without shader cores, whose T&I units traverse a given list of rays through the GPU's caches and memory.
 ///
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
-  /// Called for each finished block of rays; returns whether to continue. If it returns false, the blocks started so
-  /// far are still finished.
+  /// Callback for each finished block of rays. If it returns false, no further block is started; blocks already started
+  /// are finished.
   using Watch = std::function<bool(const RaysDone& so_far)>;
 
-  /// `parents`: parent of each node of the image's BVH. All arguments must outlive this object.
+  /// `parents`: parent node of each node of the image's BVH. All arguments must outlive this object.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
              std::span<const traces::Ray> rays, Watch watch);
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
-  /// Traverses all rays, or rays until `watch` stops the run. Throws sim::Deadlock if they do not finish.
+  /// Traverses all rays, or stops early when `watch` returns false. Throws sim::Deadlock if rays do not finish.
   void run();
   /// Returns the number of finished rays.
   std::uint64_t ray_count() const { return done_.rays; }

@@ -21,13 +21,13 @@
 
 namespace hw {
 
-/// Name and cycle reasons of one kind of unit, for code that has only reports of units.
+/// Name and cycle reasons of one kind of unit, for code that works on unit reports instead of units.
 struct UnitKind {
-  std::string_view name;  ///< "core.tni.trv" of "core0.tni.trv2"
+  std::string_view name;  ///< "core.tni.trv" for a unit "core0.tni.trv2"
   std::span<const sim::Reason> reasons;
 };
 
-/// All kinds of units, from the memory up: each kind precedes those that wait for it.
+/// All kinds of units, starting with memory: each kind precedes the kinds that wait for it.
 inline constexpr std::array<UnitKind, 15> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {BackgroundSource::kName, BackgroundSource::kReasons},
                                                          {SystemCacheSlice::kName, SystemCacheSlice::kReasons},
