@@ -13,12 +13,12 @@ namespace hw {
 /// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
   kRoundRobin,   ///< each requester in turn
-  kOldestFirst,  ///< the requester that has waited longest; among equals the lowest number
-  kFixed,        ///< the ready requester with the lowest number; high numbers can starve
+  kOldestFirst,  ///< the requester that has waited longest; the lowest number among equals
+  kFixed,        ///< always the ready requester with the lowest number, so high numbers can starve
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 
-/// An arbiter, which decides which of up to 64 requesters of one resource is served next.
+/// Decides which of up to 64 requesters of a shared resource is served next.
 class Arbiter {
  public:
   Arbiter(Arbitration arbitration, std::size_t count)
@@ -28,8 +28,8 @@ class Arbiter {
 
   std::uint32_t requester_count() const { return count_; }
 
-  /// Returns the requester to serve next, among those in the mask `requester_mask` for which is_ready(i) is true;
-  /// requester_count() if there is none. waiting_since(i): time at which requester i began to wait.
+  /// Returns the requester to serve next, among those of the mask `requester_mask` that are ready; requester_count() if
+  /// there is none. is_ready(i): requester i can be served. waiting_since(i): time since which it waits.
   template <class Ready, class Since>
   std::uint32_t choose_requester(std::uint64_t requester_mask, Ready&& is_ready, Since&& waiting_since) const {
     if (arbitration_ == Arbitration::kOldestFirst) return oldest_ready(requester_mask, is_ready, waiting_since);
@@ -39,7 +39,7 @@ class Arbiter {
     }
     return count_;
   }
-  /// Updates the round-robin order after `requester` has been served.
+  /// Updates the round-robin order of the arbiter after `requester` has been served.
   void note_served(std::uint32_t requester) {
     if (arbitration_ == Arbitration::kRoundRobin) turn_ = next_index(requester);
   }

@@ -10,7 +10,7 @@
 namespace hw {
 namespace {
 
-/// Returns the femtoseconds between the lines of one channel.
+/// Returns the femtoseconds between two lines of background traffic of one DRAM channel.
 double interval_of(const BackgroundConfig& config, const BackgroundSource::Place& place) {
   const double lines = static_cast<double>(place.line_bytes) * place.channels;
   return lines / config.rate * sim::kFemtosecondsPerNanosecond;  // a GB/s is a byte per nanosecond
@@ -21,7 +21,7 @@ double interval_of(const BackgroundConfig& config, const BackgroundSource::Place
 BackgroundSource::BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock)
     : config_(config), place_(place), links_(links), clock_(clock), interval_(interval_of(config, place)) {}
 
-/// Returns the clock edge at which the source sends its next request.
+/// Returns the first clock edge at which the next line of background traffic is due.
 sim::Time BackgroundSource::next_due_time() const {
   return clock_.edge_at_or_after(static_cast<sim::Time>(std::llround(interval_ * static_cast<double>(sent_))));
 }

@@ -16,8 +16,8 @@ namespace hw {
 
 /// Order of the addresses of a background stream.
 enum class BackgroundPattern : std::uint8_t {
-  kSequential,  ///< line after line, as a display or a camera reads
-  kRandom,      ///< any line, as misses of processor cores
+  kSequential,  ///< consecutive lines, as read by a display or a camera
+  kRandom,      ///< random lines, as read by cache misses of processor cores
 };
 constexpr std::array<std::string_view, 2> names_of(BackgroundPattern) { return {"sequential", "random"}; }
 
@@ -37,17 +37,17 @@ struct BackgroundConfig {
   }
 };
 
-/// Sends one memory channel its share of the background stream, line by line at a steady rate.
+/// Sends one DRAM channel its share of the chip's background traffic, line by line at a steady rate.
 ///
-///   [next line, when it is due] --> channel --> [lines read are dropped]
+///   [next line, when it is due] --> channel --> [data of reads are dropped]
 ///
-/// 1. Line k is due at k / rate. A line that the channel does not accept waits, and later lines catch up.
-/// 2. Its lines are in the upper half of the channel, which the GPU does not use.
-/// 3. The source stops at the end of the frame (Flush).
-/// 4. Its lines cost memory energy like all others.
-/// 5. It bypasses the system cache, because the stream is already what misses there.
+/// 1. Line k is due at time k / rate. If the channel does not accept a line, it waits, and later lines catch up.
+/// 2. The addresses are in the upper half of the channel, which the GPU does not use.
+/// 3. The source stops when it receives a Flush at the end of the frame.
+/// 4. The lines cost DRAM energy like all others.
+/// 5. The traffic bypasses the system cache, because it represents the misses of that cache.
 ///
-/// Not modelled: bursts of traffic, clients that wait for an answer.
+/// Not modelled: traffic bursts, clients that wait for their reads.
 class BackgroundSource {
  public:
   static constexpr const char* kName = "background.source";
@@ -71,12 +71,12 @@ class BackgroundSource {
     sim::Link<MemResponse>& memory_in;
     sim::Link<Flush>& flush_in;
   };
-  /// Address mapping of one channel: which lines of memory it holds.
+  /// Address mapping of one DRAM channel: which lines of memory are in the channel.
   struct Place {
     std::uint32_t channel = 0, channels = 1;
     std::uint64_t line_bytes = kLineBytes;
-    std::uint64_t granule = kLineBytes;  ///< consecutive bytes of one channel
-    std::uint64_t lines = 1 << 20;       ///< lines of the channel
+    std::uint64_t granule = kLineBytes;  ///< bytes of consecutive addresses in one channel
+    std::uint64_t lines = 1 << 20;       ///< capacity of the channel in lines
   };
 
   BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock);
@@ -85,7 +85,7 @@ class BackgroundSource {
 
   sim::Time tick(sim::Time now);
   void finish(sim::Time end) { activity_.finish(end); }
-  /// True after the end of the frame, once all lines are back.
+  /// True if the source has received its Flush and no read is outstanding.
   bool idle() const { return stopped_ && outstanding_ == 0; }
 
   const sim::Clock& clock() const { return clock_; }
@@ -101,7 +101,7 @@ class BackgroundSource {
   const Place place_;
   const Links links_;
   const sim::Clock clock_;
-  const double interval_;  ///< between two lines, in units of sim::Time
+  const double interval_;  ///< time between two lines, in femtoseconds
   std::uint64_t sent_ = 0;
   std::uint64_t outstanding_ = 0;
   bool stopped_ = false;

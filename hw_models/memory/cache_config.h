@@ -14,8 +14,8 @@ namespace hw {
 /// Replacement policy of a cache: which line of a full set a fill evicts.
 enum class Replacement : std::uint8_t {
   kLru,     ///< the least recently used line
-  kPlru,    ///< pseudo-LRU: each bit of a tree points away from the half that was used last
-  kRandom,  ///< a random line, drawn by hash
+  kPlru,    ///< pseudo-LRU: a tree of bits, each pointing away from the half used last
+  kRandom,  ///< a pseudo-random line, chosen by a hash
 };
 constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru", "plru", "random"}; }
 
@@ -33,7 +33,7 @@ struct CacheConfig {
     field(NAMED(c.hit_cycles), "cycles", "latency of a hit, from probe to data; auto: from size and latency.*",
           sim::between(1, 64), sim::Affects::kTiming);
   }
-  /// Declares all fields except hit_cycles, for caches whose hit time is configured elsewhere.
+  /// Declares all configuration fields except hit_cycles, for caches whose hit latency is configured elsewhere.
   static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.size), "bytes", "capacity: sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
@@ -71,8 +71,8 @@ enum class L2Writes : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "through", "around"}; }
 
-/// Configuration of the second-level cache (L2), which all cores share. Size and number of MSHRs are totals over all
-/// banks.
+/// Configuration of the second-level cache (L2), which all cores share. Its size and number of MSHRs are totals over
+/// all banks.
 struct L2Config {
   CacheConfig cache{.size = {256 * 1024}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;

@@ -20,21 +20,21 @@ namespace hw {
 
 /// The tag array of a set-associative cache, or of one bank of it.
 ///
-///   line --> [ set: `ways` tags, `ways` times of last use or a tree of bits ] --> slot of the line, or miss
+///   line --> [ set: `ways` tags, `ways` times of last use, or a tree of bits ] --> slot of the line, or miss
 ///
-/// 1. Lines are interleaved over `banks`; each bank has its share of the sets.
-/// 2. A slot is one way of one set. It keeps its line until the next fill of the slot.
+/// 1. Lines are interleaved over the banks of a cache. Each bank has an equal share of the sets.
+/// 2. A slot is one way of one set. A line keeps its slot until it is replaced.
 class CacheTags {
  public:
   static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
-  /// Result of filling a line: its slot, and the line that it evicted, if any.
+  /// Result of filling a line: its slot and, if `evicts`, the line that was evicted.
   struct Filled {
     std::size_t slot = 0;
     bool evicts = false;
     Addr evicted = 0;
   };
 
-  /// `clock`: initial value of the times of use, for tests.
+  /// `clock`: value at which the counter of uses starts; for tests of its overflow.
   explicit CacheTags(const CacheConfig& config, std::uint32_t bank_count = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
         set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(bank_count))),
@@ -50,7 +50,8 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Returns the number of slots, including those that can never be used because ways are rounded up.
+  /// Returns the number of slots. It includes unused ones, because the ways of a set are rounded up to a multiple of
+  /// four.
   std::size_t slot_count() const { return sets_.size() / 2; }
 
   /// True if the line is cached. A hit marks the line as recently used.
@@ -63,7 +64,7 @@ class CacheTags {
     return true;
   }
 
-  /// Returns the slot of the line and marks the line as recently used; kNoSlot if it is not cached.
+  /// Returns the slot of the line and marks the line as recently used. Returns kNoSlot if the line is not cached.
   std::size_t look_up(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t way = find_way(set, tag_of(line));
@@ -72,13 +73,15 @@ class CacheTags {
     return slot_of(set, way);
   }
 
-  /// True if the line is cached. Does not change the replacement order.
+  /// True if the line is cached. In contrast to probe(), the line is not marked as used.
   bool has_line(Addr line) const { return find_way(set_of(line), tag_of(line)) != kNoWay; }
 
-  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
+  /// Prefetches the tags that a probe for the line will read into the host's cache. The simulated cache does not
+  /// change.
   void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
-  /// Fills the line into an empty way of its set, or replaces another line.
+  /// Puts a line into an empty way of its set or, if there is none, in place of the line chosen by the replacement
+  /// policy.
   Filled fill_line(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find_way(set, tag_of(line));
@@ -90,7 +93,7 @@ class CacheTags {
     return {slot_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
   }
 
-  /// Makes a slot empty.
+  /// Removes the line of a slot from the cache.
   void clear_slot(std::size_t slot) {
     tags_of(slot / stride_)[slot % stride_] = kInvalid;
     use_times_of(slot / stride_)[slot % stride_] = 0;
@@ -103,7 +106,8 @@ class CacheTags {
   static constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t kLanes = 4;
 
-  /// Returns the number of the line in memory, which serves as tag in every set: addresses end far below 2^32 lines.
+  /// Returns the number of the line in memory, which is used as its tag. 32 bits suffice: memory has far fewer than
+  /// 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
   std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
@@ -114,7 +118,7 @@ class CacheTags {
 
   /// Returns the way of set `set` that holds the tag, or kNoWay.
   std::uint32_t find_way(std::size_t set, std::uint32_t tag) const { return find_way(tags_of(set), tag); }
-  /// Returns the way that holds the tag, given the tags of one set; kNoWay if no way holds it.
+  /// Returns the way of the set with the tags `set_tags` that holds the tag, or kNoWay.
   std::uint32_t find_way(const std::uint32_t* set_tags, std::uint32_t tag) const {
     if (const std::uint32_t mask = match_four_tags(set_tags, tag); mask != 0)
       return static_cast<std::uint32_t>(std::countr_zero(mask));
@@ -124,7 +128,7 @@ class CacheTags {
     }
     return kNoWay;
   }
-  /// Returns a mask of those of four tags that equal `tag`.
+  /// Compares four tags with `tag`. Returns a mask of the equal ones.
   static std::uint32_t match_four_tags(const std::uint32_t* four_tags, std::uint32_t tag) {
 #if defined(__SSE4_1__)
     const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four_tags));
@@ -145,9 +149,10 @@ class CacheTags {
     set_tags[stride_ + way] = ++clock_;
     if (replacement_ == Replacement::kPlru) point_tree_away_from(trees_[set], way);
   }
-  /// Replaces the times of last use by their ranks within each set, so that the clock can restart.
+  /// Called before the clock of last uses overflows: replaces each time by its rank within its set, so that the clock
+  /// can restart at a small value.
   void renumber_use_times();
-  /// Returns an empty way of the set, or else the way to replace.
+  /// Returns an empty way of the set or, if there is none, the way whose line is to be replaced.
   std::uint32_t choose_victim(std::size_t set, std::uint32_t tag) const {
     const std::uint32_t least = sim::index_of_min(use_times_of(set), ways_);
     if (replacement_ == Replacement::kLru || tags_of(set)[least] == kInvalid) return least;
@@ -155,8 +160,8 @@ class CacheTags {
     return way_pointed_at(trees_[set]);
   }
 
-  // In the pseudo-LRU tree, bit n selects the half below node n that contains the next victim. Node 1 is the root; 2n
-  // and 2n + 1 are the halves of n.
+  // In the pseudo-LRU tree of a set, bit n selects which child of node n leads to the next victim. Node 1 is the root;
+  // the children of node n are 2n and 2n + 1.
   void point_tree_away_from(std::uint64_t& tree, std::uint32_t way) const {
     for (std::uint32_t node = way + ways_; node > 1; node /= 2) {
       const std::uint64_t bit = std::uint64_t{1} << (node / 2);
@@ -171,8 +176,8 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up, because four tags are compared at a time
-  std::size_t words_;            ///< words of a set in `sets_`
+  std::uint32_t ways_, stride_;  ///< ways of a set; ways rounded up to a multiple of four
+  std::size_t words_;            ///< number of words of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
   std::vector<std::uint32_t> sets_;   ///< for each set its tags, then their times of last use

@@ -50,7 +50,8 @@ void CorePort::finish(sim::Time end) {
   stats_.line_wait = clock_.cycles(line_wait_);
 }
 
-/// Charges the cycles of a transfer that ended between the last tick and `until`.
+/// Splits the cycles since the last tick at the end of a line transfer: later cycles are charged to the reason for
+/// waiting.
 inline void CorePort::account_until(sim::Time until) {
   if (line_transfer_end_ >= activity_.accounted_until() && line_transfer_end_ < until)
     activity_.spend(line_transfer_end_, clock_.period(), waiting_, waiting_);
@@ -114,12 +115,12 @@ inline void CorePort::send_line(std::uint32_t target, sim::Time now) {
   stats_.lines_down += 1;
 }
 
-/// Returns the time at which a core port may next be able to carry something, and stores the reason to which the cycles
+/// Returns the earliest time at which the core port may forward another message. Stores the reason to which the cycles
 /// until then are charged.
 [[gnu::always_inline]] inline sim::Time CorePort::find_next_wake(sim::Time now) {
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
-  // A message that is not visible yet must not be read: the port wakes when it becomes visible, and decides then.
+  // The content of a message must not be read before the message is visible. The port wakes at that time.
   const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
     for (std::uint64_t left = all.nonempty_mask(); left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));

@@ -16,7 +16,7 @@
 
 namespace hw {
 
-/// Configuration of the interconnect between the cores and the memory side that they share.
+/// Configuration of the interconnect between the cores and the memory system that they share.
 struct InterconnectConfig {
   std::uint32_t latency = 4;
   std::uint32_t width_bytes = 32;
@@ -38,24 +38,25 @@ struct InterconnectConfig {
   }
 };
 
-/// A core's port to the memory side: carries requests of the core's units up to L2 or memory, and lines down to the
-/// units. A core has two such ports: one for the requests of its caches to the L2 banks, and one for its DMA, past the
-/// L2 to the DRAM channels.
+/// A core's port to the memory system: carries requests of the core's units (clients) up to the L2 or memory, and lines
+/// down to the units. A core has two ports: one from its caches to the L2 banks, and one from its DMA to the DRAM
+/// channels, bypassing the L2.
 ///
 ///   clients_in  --> arbiter, one request per cycle -------> targets_out (chosen by the line's address)
 ///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
-/// 1. A client's number is its index in clients_out. The client writes that number into `source` of its requests.
-/// 2. A write carries its sectors up, and occupies the upward wires as long as these sectors would occupy the downward
-/// ones. A read of sectors returns the whole line.
-/// 3. The distance to the targets is the links' latency.
-/// 4. An ideal port carries everything that has arrived and has room, in both directions, every cycle.
+/// 1. A client's number is its index in clients_out. A client writes its number into `source` of its requests.
+/// 2. A write carries its sectors up. It occupies the upward wires for as many cycles as the same sectors would occupy
+/// the downward wires. A read of some sectors returns the whole line.
+/// 3. The distance to the targets is modelled as latency of the links.
+/// 4. An ideal port has unlimited bandwidth: each cycle it forwards all messages that have arrived and whose receivers
+/// have room.
 ///
-/// Not modelled: the topology between port and targets. All targets are equally far and have their own wires.
+/// Not modelled: the topology between port and targets. All targets are at the same distance and have their own wires.
 class CorePort {
  public:
   static constexpr const char *kCachePort = "core.cache_port",
-                              *kDmaPort = "core.dma_port";  ///< names of the two ports of a core
+                              *kDmaPort = "core.dma_port";  ///< names of a core's two ports
   static constexpr Block kBlock = Block::kInterconnect;
   enum class CycleReason : std::uint8_t { kIdle, kRequest, kLine, kTargetFull, kClientFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
@@ -83,7 +84,7 @@ class CorePort {
     std::vector<sim::Link<MemResponse>*> clients_out;
     std::vector<sim::Link<MemRequest>*> targets_out;
     std::vector<sim::Link<MemResponse>*> targets_in;
-    std::vector<RequesterKind> requesters;  ///< kind of each client, if there is an observer
+    std::vector<RequesterKind> requesters;  ///< kind of each client; used only with an observer
     Observer* observer = nullptr;
   };
 
@@ -127,13 +128,13 @@ class CorePort {
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;
-  std::array<sim::Time, 9> carry_time_;  ///< time on the wires, by number of sectors
+  std::array<sim::Time, 9> carry_time_;  ///< time on the wires of a transfer, by its number of sectors
 
   Arbiter up_, down_;
   sim::Time request_wait_ = 0, line_wait_ = 0;
   sim::Time up_free_ = 0;
   sim::Time down_free_ = 0;
-  sim::Time line_transfer_end_ = 0;  ///< end of the last line transfer, up or down
+  sim::Time line_transfer_end_ = 0;  ///< end of the last line transfer in either direction
   CycleReason waiting_{};
   Stats stats_;
   sim::Activity<CycleReason> activity_;

@@ -12,20 +12,20 @@
 
 namespace hw {
 
-/// A read-only first-level cache of one unit: tags, merging MSHRs, and a queue of requests to memory. Each MSHR holds a
-/// bit mask of the slots of the unit that wait for its line. An ideal cache hits on every line.
+/// A read-only first-level cache of one unit: tags, MSHRs that merge misses, and a queue of requests to memory. Each
+/// MSHR holds a bit mask of the unit's slots that wait for its line. An ideal cache hits on every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
-    kMiss,  ///< the slot now waits for the line; fill_line() will return the slot
-    kFull,  ///< no MSHR is free, and nothing has changed; the slot must retry after a fill
+    kMiss,  ///< the slot now waits for the line, whose fill_line() will return the slot
+    kFull,  ///< no MSHR is free, so the slot must retry after a fill; no state has changed
   };
 
   /// An outstanding miss of a first-level cache.
   struct Miss {
-    std::uint64_t slots = 0;         ///< mask of the unit's slots that wait for the line
-    std::uint64_t requested_at = 0;  ///< cycle of the miss, on the unit's clock
+    std::uint64_t slots = 0;         ///< mask of the owning unit's slots that wait for the line
+    std::uint64_t requested_at = 0;  ///< cycle of the miss, on the clock of the owning unit
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
@@ -43,28 +43,31 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// Reads a line if it is cached. Returns false, without side effects, if it is not. Not for ideal caches.
+  /// Reads a line if the cache holds it. Otherwise returns false without side effects. Must not be called for ideal
+  /// caches.
   bool try_hit(Addr line) { return tags_.probe(line); }
 
-  /// Prefetches a line on behalf of a slot. Returns false if the line is cached or already requested. Requires a free
-  /// MSHR.
+  /// Requests a line in advance, on behalf of a slot that does not wait for it. Returns false if the line is cached or
+  /// already requested. Requires a free MSHR.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (has_line(line) || find_miss(line) != nullptr) return false;
     request_line(line, {0, cycle}, slot_tiles_[slot]);
     return true;
   }
 
-  /// Attributes later requests of a slot to the given tile.
+  /// Attributes later memory requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
   TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
-  /// Fills a line and frees its MSHR. Returns the slots that waited for the line and the cycle of the miss.
+  /// Fills a line into the cache and frees its MSHR. Returns the slots that waited for the line and the cycle of the
+  /// miss.
   Miss fill_line(Addr line) {
     tags_.fill_line(line);
     return misses_.release(line);
   }
 
-  /// Puts a line into the cache in no simulated time (Gpu::warm_caches). Returns false if it was not there before.
+  /// Puts a line into the cache without taking simulated time (Gpu::warm_caches). Returns true if the line was already
+  /// cached.
   bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill_line(line);
@@ -72,27 +75,28 @@ class L1Cache {
   }
 
   const CacheTags& tags() const { return tags_; }
-  /// Replaces the cached lines. No miss may be outstanding.
+  /// Replaces the tag array, and so the cached lines. No miss may be outstanding.
   void set_tags(const CacheTags& tags) { tags_ = tags; }
 
-  /// True if the line is cached. Does not change the replacement order.
+  /// True if the line is cached. The line is not marked as used.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
-  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
+  /// Prefetches the tags that a probe for the line will read into the host's cache. The simulated cache does not
+  /// change.
   void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
-  /// Returns the outstanding miss of a line, or nullptr.
+  /// Returns the outstanding miss of a line, or null if the line is not requested.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
 
-  /// Returns the number of misses whose requests to memory have not been sent yet.
+  /// Returns the number of misses whose memory requests have not been sent yet.
   std::size_t unsent_requests() const { return unsent_.size(); }
-  /// Sends the oldest unsent request to memory, if there is one and the link has room.
+  /// Sends the oldest unsent memory request, if there is one and the link has room.
   void send_request(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
     out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().tile});
     unsent_.pop_front();
   }
-  /// Returns the time at which send_request() can next send a request; kNever if there is none. `next`: the time of the
-  /// next cycle.
+  /// Returns the earliest time, from `next` on, at which send_request() can send a request; kNever if no request is
+  /// unsent. `next`: time of the unit's next cycle.
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return unsent_.empty() ? sim::kNever : std::max(next, out.push_at());
   }

@@ -66,7 +66,7 @@ bool L2Bank::idle() const {
   return !dirty && !head_.full && !filled_.has_waiters() && misses_.empty() && unsent_.empty() && hits_.empty();
 }
 
-/// Sends one line per cycle to a core: first to the waiters of the last fill, then for hits.
+/// Sends one line per cycle from the L2 bank to a core. Requests that waited for the last fill are served before hits.
 inline bool L2Bank::send_reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
@@ -83,7 +83,7 @@ inline bool L2Bank::send_reply(sim::Time now) {
   return true;
 }
 
-/// Takes a line from memory into the bank. Its waiters are answered from the next cycle on.
+/// Fills a line from memory into the L2 bank. The requests that wait for the line are answered from the next cycle on.
 void L2Bank::take_fill(sim::Time now) {
   const std::uint32_t channel = channels_turn_.choose_requester(
       channels_in_.nonempty_mask(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
@@ -107,7 +107,7 @@ inline void L2Bank::send_to_memory(sim::Time now) {
   channel.push(now, unsent_.pop(now));
 }
 
-/// Queues a request from the L2 bank to memory. The request leaves when its look-up time has passed.
+/// Queues a request from the L2 bank to memory. The request can leave when the look-up latency has passed.
 void L2Bank::queue_to_memory(sim::Time now, const MemRequest& request) {
   unsent_.push(now, request);
   if (request.write)
@@ -120,7 +120,8 @@ void L2Bank::write_back_victim(sim::Time now, const L2Store::Victim& victim, Til
   stats_.written_back += 1;
 }
 
-/// Takes a request into the head of the queue if the head is empty, then processes the head unless it is blocked.
+/// Moves a request to the head of the L2 bank's queue if the head is empty. Then processes the request at the head
+/// unless it is blocked.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;
@@ -202,7 +203,7 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
     at(cores_in_.pop_at());
   } else if (!hits_.can_push(now) && !head_.request.write) {
     at(hits_.push_at());
-  }  // the head waits for a fill or for memory, whose tick looks it up again
+  }  // otherwise the head waits for a fill or for memory, and is looked up again at that tick
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room_to_memory(1)) at(next);
   at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
@@ -217,7 +218,8 @@ std::string L2Bank::state() const {
       store_.dirty_lines());
 }
 
-/// Executes the write at the head of the queue by the L2's write policy; false if the write must wait.
+/// Executes the write at the head of the queue according to the L2's write policy. Returns false if the write must
+/// wait.
 bool L2Bank::process_write(sim::Time now) {
   if (!has_room_to_memory(1)) return false;
   const MemRequest& r = head_.request;
@@ -258,7 +260,7 @@ void L2Bank::store_write(sim::Time now) {
   stats_.bytes_overwritten += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(overwritten));
 }
 
-/// After a Flush, writes one dirty line per cycle back to memory. Returns true if it did.
+/// After a Flush, writes one dirty line per cycle to memory. Returns true if a line was written.
 bool L2Bank::flush_line(sim::Time now) {
   if (flush_in_->can_pop(now)) {
     flush_in_->pop(now);

@@ -21,12 +21,12 @@
 
 namespace hw {
 
-/// The lines of one L2 bank and, for each, its valid and its dirty sectors. A write allocates its line without a fetch,
-/// so some sectors may be invalid. Dirty sectors are always valid.
+/// The cached lines of one L2 bank, each with masks of its valid and its dirty sectors. A write allocates its line
+/// without a fetch, so some sectors may be invalid. Dirty sectors are always valid.
 class L2Store {
  public:
   enum class Found : std::uint8_t { kNot, kPart, kAll };
-  /// An evicted line and its dirty sectors, which must be written to memory; 0: none is dirty.
+  /// An evicted line. `sectors`: its dirty sectors, which must be written to memory.
   struct Victim {
     Addr line = 0;
     SectorMask sectors = 0;
@@ -35,22 +35,23 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
-  /// Returns whether none of the line is cached (kNot), some of the wanted sectors are invalid (kPart), or all are
-  /// valid.
+  /// Looks up a line. Returns kNot if the line is not cached, kPart if some of the wanted sectors are invalid, kAll if
+  /// all of them are valid.
   Found look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
     return (wanted_sectors & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
-  /// Removes a cached line and returns its dirty sectors.
+  /// Removes a line, which must be cached, and returns its dirty sectors.
   SectorMask invalidate_line(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.clear_slot(slot);
     return clean_slot(slot);
   }
 
-  /// Writes sectors of a cached line and marks them dirty. Returns those that were dirty before.
+  /// Writes sectors of a cached line and marks them dirty. Returns those of the written sectors that were already
+  /// dirty.
   SectorMask write_sectors(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
@@ -59,8 +60,7 @@ class L2Store {
     return before;
   }
 
-  /// Allocates a line that is not cached, with the given valid and dirty sectors. Returns the evicted line with its
-  /// dirty sectors.
+  /// Adds a line that is not cached, with the given valid and dirty sectors. Returns the evicted line.
   Victim allocate(Addr line, SectorMask valid_sectors, SectorMask dirty_sectors) {
     const CacheTags::Filled filled = tags_.fill_line(line);
     const Victim victim{filled.evicted, clean_slot(filled.slot)};
@@ -69,10 +69,10 @@ class L2Store {
     return victim;
   }
 
-  /// Returns the number of lines with at least one dirty sector.
+  /// Returns the number of cached lines with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
-  /// Marks the next dirty line, in slot order, as clean and returns it with the sectors to be written. There must be a
-  /// dirty line.
+  /// Marks the next dirty line, in slot order, as clean. Returns the line with its sectors to be written to memory.
+  /// Requires a dirty line.
   Victim clean_next_dirty_line() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
     return {tags_.line_at(next_), clean_slot(next_)};
@@ -103,24 +103,25 @@ class L2Store {
 ///                              +--miss--> [MSHRs] --> [to memory: lookup_cycles] --> channels_out
 ///                              +--write-> lines         channels_in --> fill, waiters of the line
 ///
-/// 1. A request that misses and finds no free MSHR (or no free target in its line's MSHR) stays in the head and blocks
-/// all later ones.
-/// 2. `source` and `tag` are returned unchanged to the requesting core. Towards memory, `source` is the bank's index.
-/// 3. With L2Writes::kBack a write allocates a way without a fetch. A read that needs invalid sectors frees the way;
-/// its dirty sectors wait in the MSHR and are merged with the fill.
-/// 4. An evicted line's dirty sectors are written to memory. Memory takes as long for a masked write as for a whole
-/// line.
-/// 5. At the end of a frame, a Flush writes all dirty sectors to memory.
-/// 6. The queue to memory has room for a miss and a dirty victim of every MSHR, so a fill never waits for it.
-/// 7. An ideal bank hits on every line. It accepts any number of requests, answers each a cycle later and stores what
-/// is written.
+/// 1. A read that misses needs a free MSHR, or a free target in the MSHR of its line. Otherwise it stays at the head of
+/// the queue and blocks all later requests.
+/// 2. A response has the `source` and `tag` of its request. In requests to memory, `source` is the bank's index.
+/// 3. With L2Writes::kBack a write allocates a way without a fetch. A read of invalid sectors is a miss: the line
+/// leaves its way, and its dirty sectors wait in the MSHR to be merged with the fill.
+/// 4. The dirty sectors of an evicted line are written to memory. Memory takes as long for a masked write as for a
+/// whole line.
+/// 5. The Flush message at the end of a frame makes the bank write all dirty sectors to memory.
+/// 6. The queue to memory has room for a request and a dirty victim of every MSHR, so a fill never waits for room
+/// there.
+/// 7. An ideal bank hits on every line. It accepts any number of requests per cycle, and answers each read a cycle
+/// later.
 ///
 /// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
-  static constexpr std::size_t kMaxLinesPerTick = 1;  ///< to one core
+  static constexpr std::size_t kMaxLinesPerTick = 1;  ///< maximum lines sent to one core per tick
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,
@@ -174,7 +175,7 @@ class L2Bank {
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
-    sim::Link<Flush>* flush_in = nullptr;  ///< null: the bank is never flushed
+    sim::Link<Flush>* flush_in = nullptr;  ///< null if the bank is never flushed
     Observer* observer = nullptr;
   };
 
@@ -192,15 +193,15 @@ class L2Bank {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Puts a line into the bank in no simulated time. Dirty sectors of the evicted line are lost. False if it was not
-  /// present.
+  /// Puts a line into the bank without taking simulated time. Dirty sectors of the evicted line are lost. Returns true
+  /// if the line was already cached.
   bool warm_line(Addr line) {
     if (store_.look_up(line, 0) != L2Store::Found::kNot) return true;
     store_.allocate(line, kWholeLine, 0);
     return false;
   }
   const L2Store& store() const { return store_; }
-  /// Replaces the cached lines, before the first cycle.
+  /// Replaces the bank's cached lines. Must be called before the first cycle.
   void set_store(const L2Store& store) { store_ = store; }
 
  private:
@@ -211,25 +212,25 @@ class L2Bank {
   };
   struct Waiter {
     std::uint16_t core = 0, source = 0, tag = 0;
-    sim::Time arrived = 0, missed = 0;  ///< time of arrival at the bank; time of the tag look-up
+    sim::Time arrived = 0, missed = 0;  ///< times of the request's arrival at the bank and of its tag look-up
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;    ///< dirty sectors, to be merged with the fill
-    TileTag tile = kNoTile;  ///< tile whose request missed
+    SectorMask dirty = 0;    ///< dirty sectors of the line, to be merged with the fill
+    TileTag tile = kNoTile;  ///< tile whose request missed first
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
     MemRequest request;
     std::uint16_t core = 0;
     bool full = false;
-    bool needs_mshr = false;  ///< the head missed and found no free MSHR
+    bool needs_mshr = false;  ///< the request missed and found no free MSHR
     sim::Time arrived = 0;
   };
-  /// The line of the last fill, while the requests that waited for it are answered.
+  /// The last filled line, whose waiting requests are answered one per cycle.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0, count = 0;  ///< index of the next waiter, and number of all waiters
+    std::uint32_t next = 0, count = 0;  ///< index of the next waiting request to answer, and number of all
     const Waiters* waiters = nullptr;
     bool has_waiters() const { return next < count; }
     const Waiter& next_waiter() const { return waiters->list[next]; }
@@ -245,7 +246,7 @@ class L2Bank {
   bool flush_line(sim::Time now);
   void queue_to_memory(sim::Time now, const MemRequest& request);
   void write_back_victim(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
-  /// True if the head of the queue is blocked until a fill frees an MSHR.
+  /// True if the request at the head of the queue is blocked until a fill frees an MSHR.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
   /// True if the queue to memory has room for `request_count` requests and, in addition, a dirty victim of every
   /// outstanding miss.
@@ -255,8 +256,8 @@ class L2Bank {
   sim::Time tick_ideal(sim::Time now);
   CycleReason wait_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
-  /// Returns the core of the next reply; kNoCore if the bank has no reply to send in this cycle.
   static constexpr std::uint16_t kNoCore = 0xffff;
+  /// Returns the core of the next reply; kNoCore if the bank has no reply to send in this cycle.
   std::uint16_t reply_core(sim::Time now) const {
     if (filled_.has_waiters()) return filled_.next_waiter().core;
     return hits_.can_pop(now) ? hits_.front().core : kNoCore;
@@ -287,11 +288,11 @@ class L2Bank {
   Arbiter cores_;
   Arbiter channels_turn_;
   bool flushing_ = false;
-  std::deque<sim::Link<Reply>>
-      ideal_;               ///< replies to each core, with one cycle of latency; empty unless the bank is ideal
-  LatencySum read_time_;    ///< latency of reads, from arrival to departure
-  LatencySum memory_time_;  ///< latency of misses, from look-up to fill
-  LatencySum line_time_;    ///< time of outstanding lines, from first miss to fill
+  /// One-cycle queues of replies to each core; empty unless the bank is ideal.
+  std::deque<sim::Link<Reply>> ideal_;
+  LatencySum read_time_;    ///< latencies of reads, from arrival to departure
+  LatencySum memory_time_;  ///< latencies of misses, from look-up to fill
+  LatencySum line_time_;    ///< times of outstanding lines, from first miss to fill
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -5,7 +5,7 @@
 
 namespace hw {
 
-/// Sum of the times that items such as requests spend inside a unit, from arrival to departure.
+/// Sum of the times that items, such as requests, spend inside a unit.
 class LatencySum {
  public:
   void note_arrival(sim::Time at) {
@@ -17,13 +17,13 @@ class LatencySum {
     arrivals_ -= arrived;
     departed_ += now - arrived;
   }
-  /// Returns the sum at time `now`. Items still inside count from their arrival to `now`.
+  /// Returns the summed latency at time `now`. Items still inside the unit count from their arrival to `now`.
   sim::Time sum_at(sim::Time now) const { return departed_ + inside_ * now - arrivals_; }
 
  private:
   std::uint64_t inside_ = 0;
-  sim::Time arrivals_ = 0;  ///< sum of arrival times of the items inside
-  sim::Time departed_ = 0;  ///< sum of the times spent inside by items that have left
+  sim::Time arrivals_ = 0;  ///< sum of the arrival times of the items inside the unit
+  sim::Time departed_ = 0;  ///< sum of the latencies of items that have left the unit
 };
 
 }  // namespace hw

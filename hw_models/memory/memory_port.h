@@ -19,7 +19,7 @@ struct MemoryClient {
 struct MemoryPort {
   sim::Link<MemRequest>& requests;
   sim::Link<MemResponse>& responses;
-  std::uint16_t client = 0;  ///< the unit's index at the port, which it writes into MemRequest::source
+  std::uint16_t client = 0;  ///< the unit's client number at the port, for MemRequest::source
 };
 
 }  // namespace hw

@@ -8,8 +8,8 @@ namespace hw {
 /// A byte address in the GPU's memory image.
 using Addr = std::uint64_t;
 
-/// Bytes of a cache line, the unit of all caches, memory requests and the memory image. GpuConfig checks that all
-/// caches have this line size.
+/// Size in bytes of a cache line, which is the unit of memory requests. GpuConfig checks that all caches have this line
+/// size.
 inline constexpr Addr kLineBytes = 64;
 /// Returns the address of the cache line that contains the byte at address `byte`.
 constexpr Addr line_of(Addr byte) { return byte & ~(kLineBytes - 1); }
@@ -21,38 +21,38 @@ using SectorMask = std::uint8_t;
 inline constexpr SectorMask kWholeLine = 0xff;
 inline constexpr Addr kSectorBytes = kLineBytes / 8;
 
-/// Identifies a tile in flight, for requests and events: the tile's number in the tile list, modulo a power of two
-/// larger than the number of tiles in flight.
+/// Identifies a tile in flight in requests and events. It is the tile's number in the tile list, modulo 2^15, which is
+/// more than the tiles in flight.
 using TileTag = std::uint16_t;
 inline constexpr TileTag kNoTile = 0xffff;
 inline constexpr std::uint32_t kTileTagMask = 0x7fff;
-/// Returns the number of the tile with tag `tag`, given the number of another tile in flight at the same time.
+/// Converts a tile tag to the number of the tile in the tile list, given the number of any other tile in flight.
 constexpr std::uint32_t tile_number_of_tag(TileTag tag, std::uint32_t other_tile_in_flight) {
   const std::uint32_t ahead = (tag - other_tile_in_flight) & kTileTagMask;
   return ahead <= kTileTagMask / 2 ? other_tile_in_flight + ahead : other_tile_in_flight + ahead - (kTileTagMask + 1);
 }
 
-/// Areas of memory that only the DMA accesses: the frame's regions, and space for spilled rays.
+/// Areas of memory that only the DMA engines access: the frame's regions, and space for spilled rays.
 enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
 
-/// A request to read or write one cache line, or sectors of it.
+/// A request to memory or the L2 to read or write one cache line, or some sectors of a line.
 struct MemRequest {
   Addr line = 0;             ///< address of the line's first byte
-  std::uint16_t source = 0;  ///< the requester's index at the port, for the response
-  std::uint16_t tag = 0;     ///< chosen by the requester, returned unchanged
+  std::uint16_t source = 0;  ///< client number of the requester at the port, copied to the response
+  std::uint16_t tag = 0;     ///< value chosen by the requester, copied to the response
   bool write = false;
   SectorMask sectors = kWholeLine;  ///< sectors to be read or written
   TileTag tile = kNoTile;
 };
 
-/// Response to a read request. Writes have no response.
+/// Response to a MemRequest that reads. Writes get no response.
 struct MemResponse {
   Addr line = 0;
   std::uint16_t source = 0;
   std::uint16_t tag = 0;
 };
 
-/// Message to an L2 bank at the end of a frame: write all dirty lines to memory.
+/// Message at the end of a frame. An L2 bank then writes all its dirty lines to memory; a background source stops.
 struct Flush {};
 
 /// Interleaves cache lines over `count` L2 banks or DRAM channels: a field of address bits selects the bank or channel.

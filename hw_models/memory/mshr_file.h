@@ -10,8 +10,8 @@
 
 namespace hw {
 
-/// Miss status holding registers (MSHRs, Kroft 1981): the outstanding lines of a cache, each with a payload. Lines are
-/// kept dense, so a search compares all of them. A payload stays at its address until its line is released.
+/// Miss status holding registers (MSHRs, Kroft 1981) of a cache: its outstanding lines, each with a payload. Lines are
+/// stored contiguously, so a search can compare several at once. A payload does not move while its line is outstanding.
 template <class Payload>
 class MshrFile {
  public:
@@ -33,7 +33,8 @@ class MshrFile {
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
-  /// Allocates an MSHR for a line that is not outstanding. The returned payload still has the value of an earlier line.
+  /// Allocates an MSHR for a line that is not outstanding and returns its payload. The payload still has the value of
+  /// an earlier line.
   Payload& allocate(Addr line) {
     assert(!is_full() && find_payload(line) == nullptr);
     lines_[size_] = line;
@@ -63,12 +64,12 @@ class MshrFile {
     return size_;
   }
 
-  static constexpr Addr kNone = ~Addr{0};  ///< marks unused entries; no line has this address
+  static constexpr Addr kNone = ~Addr{0};  ///< marks unused entries of `lines_`; no line has this address
 
   std::vector<Addr> lines_;  ///< outstanding lines, then kNone
   std::vector<Payload> payloads_;
-  std::vector<std::uint32_t>
-      slots_;  ///< payload index of each line in `lines_`; the last entry is the payload released last
+  /// Index in `payloads_` of each line in `lines_`. The last entry is the payload that was released last.
+  std::vector<std::uint32_t> slots_;
   std::uint32_t size_ = 0;
 };
 

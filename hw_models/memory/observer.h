@@ -13,14 +13,14 @@
 
 namespace hw {
 
-/// Kinds of units that request memory lines.
+/// Kinds of units that send memory requests.
 enum class RequesterKind : std::uint8_t {
-  kNodes,      ///< the L1s of traversal units
-  kTriangles,  ///< the L1 of an intersection unit
-  kShading,    ///< the data cache of a shader core
-  kTransfers,  ///< a DMA
-  kRecords,    ///< rays and hits that go through memory
-  kRaster,     ///< a rasteriser
+  kNodes,      ///< L1 caches of traversal units
+  kTriangles,  ///< L1 caches of intersection units
+  kShading,    ///< data caches of shader cores
+  kTransfers,  ///< DMA engines
+  kRecords,    ///< memory interfaces, which carry rays and hits through memory
+  kRaster,     ///< rasterisers
   kCount
 };
 inline constexpr std::size_t kRequesterKinds = static_cast<std::size_t>(RequesterKind::kCount);
@@ -28,60 +28,62 @@ constexpr std::array<std::string_view, kRequesterKinds> names_of(RequesterKind) 
   return {"nodes", "triangles", "shading", "transfers", "records", "raster"};
 }
 
-// Events of a simulated machine. `tile`: the tile that caused the event; kNoTile if no tile did.
+// Events of a simulated machine. `tile`: the tile that caused the event; kNoTile if there is none.
 
-/// Event: the tile dispatcher has sent a tile to a core. Tags are unique among tiles in flight.
+/// Event: the tile dispatcher has sent a tile to a core. Tile tags are unique among tiles in flight.
 struct TileDispatched {
   TileTag tile = kNoTile;
   std::uint32_t core = 0;
   sim::Time at = 0;
 };
-/// Event: the tile dispatcher has received a core's message that a tile is finished.
+/// Event: the tile dispatcher has been notified by a core that a tile is finished.
 struct TileFinished {
   TileTag tile = kNoTile;
   sim::Time at = 0;
 };
-/// Events: a tile has occupied one of a core's tile slots, or has left it.
+/// Event: a tile has occupied one of a core's tile slots.
 struct TileStarted {
   std::uint32_t core = 0, slot = 0;
   TileTag tile = kNoTile;
   sim::Time at = 0;
 };
+/// Event: a tile has left its tile slot of a core.
 struct TileEnded {
   std::uint32_t core = 0, slot = 0;
   sim::Time at = 0;
 };
-/// Event: a loop on the array of a shader core has ended, with the last item out of the pipeline.
+/// Event: a loop on the array of a shader core has ended; its last item has left the pipeline.
 struct LoopEnded {
   std::uint32_t core = 0;
   traces::KernelId kernel = 0;
   sim::Time begin = 0, configured = 0, start = 0,
-            end = 0;         ///< start of the kernel switch, of the bank conflicts and of the loop; end of the loop
-  sim::Time stalled = 0;     ///< time in which the loop stalled for lines of the data cache
-  std::uint64_t cycles = 0;  ///< shader core cycles charged to the kernel
+            /// Start of the kernel switch, start of the bank conflicts, start of the loop, end of the loop.
+      end = 0;
+  sim::Time stalled = 0;     ///< time for which the loop stalled on data cache misses
+  std::uint64_t cycles = 0;  ///< shader core cycles charged to the kernel for this loop
   std::uint32_t items = 0;
-  std::uint32_t launches = 0;  ///< chunks of launches that ran in the loop
-  TileTag tile = kNoTile;      ///< tile of the first chunk
+  std::uint32_t launches = 0;  ///< number of chunks of launches that ran in the loop
+  TileTag tile = kNoTile;      ///< tile of the loop's first chunk
 };
 /// Event: a tile is charged its share of the cycles of a loop on the shader core's array.
 struct LoopCharged {
   TileTag tile = kNoTile;
   std::uint64_t cycles = 0;
 };
-/// Events: the first ray of a batch has entered the T&I unit, or the last hit of a batch has returned. `rays`: number
-/// of all rays of the core in the T&I unit at that time.
+/// Event: the first ray of a batch has entered the T&I unit. `rays`: number of rays in the T&I unit at that time.
 struct BatchStarted {
   std::uint32_t core = 0, slot = 0, node = 0;
   std::uint64_t rays = 0;
   sim::Time at = 0;
 };
+/// Event: the last hit of a batch has returned from the T&I unit. `rays`: number of rays in the T&I unit at that time.
 struct BatchEnded {
   std::uint32_t core = 0, slot = 0, node = 0;
   const traces::WorkNode* batch = nullptr;
   std::uint64_t rays = 0;
   sim::Time at = 0;
 };
-/// Event: a DMA has finished a transfer.
+/// Event: a DMA engine has finished a transfer.
 struct TransferEnded {
   std::uint32_t core = 0;
   TileTag tile = kNoTile;
@@ -96,15 +98,17 @@ struct LineRequested {
   TileTag tile = kNoTile;
   RequesterKind requester = RequesterKind::kNodes;
 };
-/// Events of an L2 bank: a read has been looked up, a line has been filled, a write has been accepted.
+/// Event: an L2 bank has looked up a read.
 struct L2LookedUp {
   TileTag tile = kNoTile;
   bool hit = false;
   sim::Time at = 0;
 };
+/// Event: an L2 bank has filled a line from memory.
 struct L2Filled {
   TileTag tile = kNoTile;
 };
+/// Event: an L2 bank has accepted a write.
 struct L2Written {
   TileTag tile = kNoTile;
 };
@@ -112,10 +116,10 @@ struct L2Written {
 struct RowActivated {
   TileTag tile = kNoTile;
 };
-/// State in which a request found its DRAM bank: the row open, no row open, or another row open.
+/// State of a DRAM bank when it is accessed: the requested row is open, no row is open, or another row is open.
 enum class RowState : std::uint8_t { kHit, kMiss, kConflict };
-/// Event: a DRAM channel has booked the data transfer of a request. `end`: time at which the last data will have passed
-/// the bus.
+/// Event: a DRAM channel has booked the data transfer of a request. `end`: time at which the transfer on the data bus
+/// will end.
 struct DramServed {
   MemRequest request;
   RowState row = RowState::kHit;
@@ -133,13 +137,13 @@ class Observer {
   virtual void on_event(const Event& event) = 0;
 };
 
-/// Sends an event to an observer. Out of line, so that a unit without an observer pays only for one test.
+/// Sends an event to an observer. Not inlined, so that a unit without an observer pays only for one test.
 template <class E>
 [[gnu::cold, gnu::noinline]] void notify(Observer& observer, const E& event) {
   observer.on_event(event);
 }
 
-/// Event handler for std::visit, built from one lambda for each kind of event to be handled. Other kinds are ignored.
+/// Visitor of an Event for std::visit, built from one lambda per kind of event to be handled. Other kinds are ignored.
 template <class... Handlers>
 struct HandleEvents : Handlers... {
   using Handlers::operator()...;
@@ -156,7 +160,8 @@ class ObserverList final : public Observer {
   void add(Observer* observer) {
     if (observer != nullptr) observers_.push_back(observer);
   }
-  /// Returns the observer to attach to the machine: this list, its only observer, or null if the list is empty.
+  /// Returns the observer to attach to the machine: null if the list is empty, the only observer if there is one, else
+  /// this list.
   Observer* attached_observer() {
     if (observers_.size() > 1) return this;
     return observers_.empty() ? nullptr : observers_.front();

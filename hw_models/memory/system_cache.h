@@ -9,7 +9,8 @@
 
 namespace hw {
 
-/// System-level cache (SLC): one slice in front of each memory channel. Size and MSHRs are totals over all slices.
+/// Configuration of the system-level cache (SLC), which has one slice in front of each DRAM channel. Its size and
+/// number of MSHRs are totals over all slices.
 struct SystemCacheConfig {
   CacheConfig cache{.size = {0}, .ways = 16, .mshrs = 64, .hit_cycles = 16};
   std::uint32_t lookup_cycles = 8;
@@ -27,20 +28,20 @@ struct SystemCacheConfig {
           sim::between(1, 64), Affects::kTiming);
   }
   bool is_present() const { return cache.size.bytes != 0; }
-  /// Returns the configuration of the slices as L2 banks.
+  /// Returns the L2 configuration with which the slices of the system cache, which are L2 banks, are built.
   L2Config slice_config(std::uint32_t slices) const {
     return {.cache = cache, .banks = slices, .lookup_cycles = lookup_cycles, .writes = L2Writes::kBack};
   }
 };
 
-/// A slice of the system cache: an L2 bank between the L2 (and the DMA ports) and one memory channel.
+/// A slice of the system cache: an L2 bank between the L2 (and the DMA ports) and one DRAM channel.
 ///
 ///   L2 banks, DMA ports --> [slice k] --> channel k
 ///
-/// 1. It keeps writes until their line is replaced; the end of a frame writes nothing back.
-/// 2. Its energy and area are part of block `l2`.
+/// 1. A written line stays in the slice until it is replaced. Nothing is written back at the end of a frame.
+/// 2. The energy and area of the slice are part of block `l2`.
 ///
-/// Not modelled: partitions among clients, lines of other clients.
+/// Not modelled: partitioning among the chip's clients, lines of clients other than the GPU.
 class SystemCacheSlice : public L2Bank {
  public:
   static constexpr const char* kName = "slc.slice";

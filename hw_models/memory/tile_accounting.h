@@ -9,20 +9,22 @@
 
 namespace hw {
 
-/// Account of one tile: its core, its times, and what it used of the units that all tiles share. A request is charged
-/// to the tile that causes it.
+/// Account of one tile: its core, its times, and its use of the units that all tiles share. A request is charged to the
+/// tile that causes it.
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
-  std::uint64_t srp_cycles = 0;  ///< cycles of loops on the array, from switch to drain, divided among a loop's items
-  std::array<std::uint64_t, kRequesterKinds>
-      lines{};  ///< lines read from or written to the memory side, by kind of requester
+  /// The tile's cycles on the shader core's array. The cycles of a loop, from kernel switch to drain, are divided among
+  /// its items.
+  std::uint64_t srp_cycles = 0;
+  /// Lines read from or written to the memory system, by RequesterKind.
+  std::array<std::uint64_t, kRequesterKinds> lines{};
   std::uint64_t l2_hits = 0, l2_misses = 0, l2_fills = 0, l2_writes = 0;
-  std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< lines read and written; rows opened
+  std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< DRAM lines read and written; DRAM rows opened
 };
 
-/// Observer that charges events to tiles: one account for each tile, in dispatch order, and one for events without a
-/// tile.
+/// Observer that charges events to tiles. It keeps one account for each tile, in dispatch order, and one for events
+/// without a tile.
 class TileAccounting final : public Observer {
  public:
   /// Reserves memory for the accounts of `tiles` tiles.
@@ -33,7 +35,7 @@ class TileAccounting final : public Observer {
   void on_event(const Event& event) override;
 
   const std::vector<TileAccount>& tiles() const { return accounts_; }
-  /// Moves the accounts of all tiles out of this object. Call at the end of a run.
+  /// Moves the accounts of all tiles, in dispatch order, out of this object. Call at the end of a run.
   std::vector<TileAccount> take_accounts() { return std::move(accounts_); }
   const TileAccount& untiled_account() const { return rest_; }
 

@@ -8,8 +8,8 @@
 
 namespace hw {
 
-/// Blocks of the machine by which energy is summed. Each unit declares its block as kBlock. `outside` is not on the
-/// GPU's die and has neither energy nor area.
+/// Blocks of the GPU for which energy and area are summed. Each class of unit declares its block as kBlock. `kOutside`
+/// is not on the GPU's die and has neither energy nor area.
 enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster, kOutside };
 constexpr std::array<std::string_view, 9> names_of(Block) {
   return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster", sim::kOutsideBlock};
