@@ -52,7 +52,7 @@ bool RasterFetch::advance_stage(Stage stage, std::uint32_t& lookups_done) {
   if (number == entered_ || (stage != kList && done_[stage - 1] <= number)) return false;
   Slot& s = slot_of(number);
   if (!s.listed) {
-    if (s.pending != 0) return false;  // lines of the previous stage have not arrived
+    if (s.pending != 0) return false;  // lines that the previous stage requested have not arrived
     collect_lines(stage, s);
   }
   if (s.next < s.count) {
@@ -159,7 +159,8 @@ bool RasterUnit::add_triangle_to_window() {
 }
 
 void RasterUnit::begin_front_stage(sim::Time now) {
-  constexpr std::uint32_t kLines = 4;  // maximum number of lines that a triangle's transformed vertices fill
+  constexpr std::uint32_t kLines = 4;  // maximum number of cache lines to which a triangle's transformed vertices are
+                                       // written
   if (has_front_ || !fetch_.is_ready()) return;
   advance_cursor(setting_);
   const Job& of = job_at(setting_.job);
@@ -177,7 +178,7 @@ void RasterUnit::begin_front_stage(sim::Time now) {
   front_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-/// Queues the transformed vertices of the next triangle for writing to memory.
+/// Queues the newly transformed vertices of the next triangle to be written to memory.
 void RasterUnit::write_vertices() {
   const TileTag tile = job_at(setting_.job).job.tile;
   for (std::uint32_t i = 0; i < fetch_.missed_vertex_count(); ++i) {
@@ -195,7 +196,7 @@ bool RasterUnit::end_front_stage(sim::Time now) {
 }
 
 void RasterUnit::begin_back_stage(sim::Time now) {
-  // Further triangles in the queue belong to a later job.
+  // If the oldest job has no triangle left, the triangles in the queue belong to a later job.
   if (has_back_ || queued_ == 0 || finished_ == job_at(ended_).triangle_count()) return;
   const Job& of = job_at(ended_);
   const traces::RasterTriangle& triangle = of.triangle_at(finished_);
@@ -237,8 +238,8 @@ bool RasterUnit::end_back_stage(sim::Time now) {
   return true;
 }
 
-/// Finishes the rasteriser's oldest job when all its triangles have been processed: writes the batch's lists or the
-/// wave's hits, then reports to the core.
+/// Finishes the rasteriser's oldest job after its last triangle: writes the batch's list entries or the wave's hits,
+/// then notifies the core.
 bool RasterUnit::finish_oldest_job(sim::Time now) {
   if (!has_jobs() || finished_ < job_at(ended_).triangle_count()) return false;
   const Job& of = job_at(ended_);
@@ -270,7 +271,7 @@ bool RasterUnit::finish_oldest_job(sim::Time now) {
   return true;
 }
 
-/// Queues one line of tile-list entries, or part of one, of the oldest batch for writing to memory.
+/// Queues up to one cache line of tile-list entries of the oldest batch to be written to memory.
 bool RasterUnit::write_lists() {
   const Job& of = job_at(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;

@@ -19,13 +19,13 @@
 
 namespace hw {
 
-/// Addresses of a rasteriser's arrays in memory: vertex positions, vertex numbers of triangles, transformed vertices
+/// Addresses of the rasterisers' arrays in memory: vertex positions, vertex numbers of triangles, transformed vertices
 /// and tile lists, in this order. No two arrays share a cache line.
 struct RasterMemory {
-  static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex of the scene: three floats
-  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: three vertex numbers
-  static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in picture space: four floats
-  static constexpr std::uint32_t kEntryBytes = 4;         ///< an entry of a tile list: a triangle number
+  static constexpr std::uint32_t kPositionBytes = 12;     ///< vertex position of the scene: three floats
+  static constexpr std::uint32_t kIndexBytes = 12;        ///< vertex numbers of a triangle: three integers
+  static constexpr std::uint32_t kTransformedBytes = 16;  ///< transformed vertex, in picture space: four floats
+  static constexpr std::uint32_t kEntryBytes = 4;         ///< entry of a tile list: a triangle number
 
   Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
 
@@ -86,16 +86,16 @@ class RasterWrites {
  public:
   RasterWrites(std::uint32_t lines, std::uint16_t client) : lines_(lines), client_(client) {}
 
-  /// True if the write queue has room for `lines` more lines, in addition to the one that is being filled.
+  /// True if the rasteriser's write queue has room for `lines` more lines, in addition to the line being collected.
   bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
-  /// True if a complete line waits to be sent to memory.
+  /// True if a closed line waits in the rasteriser's write queue to be sent to memory.
   bool has_closed_line() const { return !queue_.empty(); }
-  /// Returns the number of cache lines that the write queue has completed so far, whether sent or not.
+  /// Returns the number of cache lines that the write queue has closed so far, including unsent ones.
   std::uint64_t closed_lines() const { return sent_ + queue_.size(); }
   std::uint64_t sent_lines() const { return sent_; }
 
-  /// Adds bytes of one cache line, written on behalf of a tile. Requires room for one line.
+  /// Writes bytes of one cache line on behalf of a tile. Requires room for one line in the write queue.
   void add_bytes(Addr first_byte, std::uint32_t bytes, TileTag tile) {
     const Addr line = line_of(first_byte);
     if (open_.sectors != 0 && open_.line != line) close_line();
@@ -106,13 +106,13 @@ class RasterWrites {
     open_.tile = tile;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
-  /// Closes the cache line that collects written bytes, so that it is sent even if it is not full.
+  /// Closes the cache line that is being collected, so that it is sent although it is not full.
   void close_line() {
     if (open_.sectors == 0) return;
     queue_.push_back(open_);
     open_.sectors = 0;
   }
-  /// Sends a complete line to memory; false if there is none or the link has no room.
+  /// Sends a closed line to memory. Returns false if there is none or the link has no room.
   bool send_line(sim::Time now, sim::Link<MemRequest>& out) {
     if (queue_.empty() || !out.can_push(now)) return false;
     out.push(now, queue_.front());
@@ -129,12 +129,12 @@ class RasterWrites {
   std::uint64_t sent_ = 0;
 };
 
-/// Cache of the numbers of recently transformed vertices, with FIFO replacement.
+/// Vertex cache of a rasteriser: the numbers of recently transformed vertices, with FIFO replacement.
 class VertexCache {
  public:
   explicit VertexCache(std::uint32_t entries) : entries_(entries, kNothing) {}
 
-  /// True if the vertex is in the cache. If not, adds it.
+  /// Returns true if the vertex cache contains the vertex; otherwise adds the vertex and returns false.
   bool find_or_add(std::uint32_t vertex) {
     if (std::ranges::find(entries_, std::uint64_t{vertex}) != entries_.end()) return true;
     entries_[next_] = vertex;
@@ -148,15 +148,15 @@ class VertexCache {
   std::size_t next_ = 0;
 };
 
-/// Fetches the cache lines that a rasteriser's next triangles need, in order, ahead of their use.
+/// Fetches the cache lines that a rasteriser's next triangles need, in order, before their use.
 ///
 ///   triangle --> [ entry of the list ] --> [ numbers of its vertices ] --> [ vertices ] --> ready, oldest first
 ///
 /// 1. Each stage looks up its lines in the L1, triangle by triangle, without waiting. A triangle enters the next stage
 /// when its lines have arrived.
-/// 2. A batch has no list to read, and recently transformed vertices are not fetched again.
+/// 2. Triangles of a batch have no list entry to read. Recently transformed vertices are not fetched again.
 ///
-/// Not modelled: the latency of a hit, which the window hides.
+/// Not modelled: the latency of an L1 hit, which the window of triangles hides.
 class RasterFetch {
  public:
   RasterFetch(const RasterUnitConfig& config, const RasterMemory& memory, std::uint16_t client, bool ideal,
@@ -170,8 +170,8 @@ class RasterFetch {
 
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
-  /// Adds a triangle to the window of triangles whose lines are fetched. `entry`: its index among the tile-list
-  /// entries, or kBatch. `tile`: the tile that is charged.
+  /// Adds a triangle to the window of triangles whose lines are fetched. `entry`: index of its tile-list entry, or
+  /// kBatch. `tile`: tile to which the requests are charged.
   void add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
@@ -182,7 +182,7 @@ class RasterFetch {
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }
 
-  /// Looks up lines of the triangles in the window; true if a stage has advanced.
+  /// Looks up lines of the triangles in the window in the L1. Returns true if a fetch stage has advanced.
   bool look_up_lines();
   void fill_line(Addr line);
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
@@ -191,28 +191,28 @@ class RasterFetch {
   }
   std::string state() const;
   const CacheTags& l1_tags() const { return l1_.tags(); }
-  /// Replaces the cached lines, before the first cycle.
+  /// Replaces the lines in the L1. Must be called before the first cycle.
   void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
 
  private:
   enum Stage : std::uint8_t { kList, kIndices, kVertices, kStages };
   static constexpr Stage kLast = kVertices;
-  static constexpr std::size_t kMostLines = 6;  ///< three vertices, each in two lines
+  static constexpr std::size_t kMostLines = 6;  ///< lines of a triangle in one stage: three vertices, each in two lines
   struct Slot {
     const traces::RasterTriangle* triangle = nullptr;
     std::uint32_t entry = kBatch;
-    std::uint32_t pending = 0;  ///< lines not arrived yet
+    std::uint32_t pending = 0;  ///< requested lines that have not arrived
     std::array<Addr, kMostLines> lines{};
-    std::uint32_t count = 0, next = 0;  ///< number of lines of the current stage, and index of the next one to look up
-    bool listed = false;                ///< `lines` has the lines of the current stage
+    std::uint32_t count = 0, next = 0;  ///< number of lines in the current stage; index of the next to look up
+    bool listed = false;                ///< `lines` contains the lines of the current stage
     std::uint32_t missed = 0;
     std::array<std::uint32_t, 3> vertices{};  ///< vertices to be transformed
   };
 
   Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
   const Slot& slot_of(std::uint64_t number) const { return slots_[number % slots_.size()]; }
-  /// Looks up one line of the oldest triangle at a fetch stage, or passes a triangle that needs no line; false if the
-  /// stage cannot advance. `lookups_done` counts the look-ups.
+  /// Looks up the next line of the oldest triangle in a fetch stage, or passes a triangle on that needs no line there.
+  /// Returns false if the stage cannot advance. Adds look-ups to `lookups_done`.
   bool advance_stage(Stage stage, std::uint32_t& lookups_done);
   void collect_lines(Stage stage, Slot& slot);
   void collect_vertex_lines(Slot& slot);
@@ -228,22 +228,24 @@ class RasterFetch {
   RasterStats& stats_;
 };
 
-/// A core's tile-based rasteriser. In the geometry pass it puts triangles into tile lists. Later it finds the primary
-/// hits of a wave of samples with the list of the wave's tile, and writes them to the tile buffer.
+/// A core's tile-based rasteriser. In the geometry pass it puts batches of triangles into tile lists. Later it finds
+/// the primary hits of waves, which are groups of samples of a tile, with the tile's list, and writes them to the tile
+/// buffer.
 ///
 ///   batches --> [ fetch: numbers, vertices ] --> [ transform ] --> [ cull, list ] --> vertices, lists --> memory
 ///   waves   --> [ fetch: list, numbers, vertices ] --> [ set-up ] --> [ blocks, quads, depth ] --> hits
 ///
-/// 1. Jobs (batches and waves) are processed one at a time, in order. Lines of later jobs are fetched meanwhile.
-/// 2. A batch's list entries are written when all its triangles have been processed. A wave's hits leave when all have
-/// been processed, `plane_width` bytes per cycle.
-/// 3. The unit holds depth and nearest triangle of each sample. A sample's data in the tile buffer are interpolated
-/// once, for the nearest triangle.
-/// 4. A wave larger than the depth buffer is processed in parts. Each part sets up all triangles again.
+/// 1. Jobs (batches and waves) are processed one at a time, in order. Meanwhile, lines for later jobs are fetched.
+/// 2. After all triangles of a batch, its list entries are written to memory. After all triangles of a wave, its hits
+/// are written to the tile buffer, `plane_width` bytes per cycle.
+/// 3. A depth buffer holds the depth and nearest triangle of each sample. The data of a sample in the tile buffer are
+/// interpolated once, for its nearest triangle.
+/// 4. A wave with more samples than the depth buffer is processed in parts. All triangles are set up again for each
+/// part.
 ///
-/// Not modelled: fetching the list again for further parts; a limit on the entries of a batch; vertex shaders (a fixed
-/// unit transforms vertices, without skins); waits of another core's list reads for the last writes, which the end of
-/// the pass covers.
+/// Not modelled: fetching the list again for each part; a limit on the entries of a batch; vertex shaders and skinning
+/// (a fixed-function unit transforms vertices); list reads that wait for another core's last list writes (the end of
+/// the pass takes longer).
 class RasterUnit {
  public:
   static constexpr const char* kName = "core.raster";
@@ -297,7 +299,7 @@ class RasterUnit {
   bool idle() const { return !has_jobs() && writes_.empty(); }
   std::string state() const;
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
-  /// Replaces the cached lines, before the first cycle.
+  /// Replaces the lines in the L1. Must be called before the first cycle.
   void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
 
  private:
@@ -312,14 +314,14 @@ class RasterUnit {
     }
     const traces::ListRun& run_at(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
   };
-  /// Position of a rasteriser stage: the number of a job and of a triangle in the job.
+  /// Next triangle of a rasteriser stage: number of its job, and of the triangle within the job.
   struct Cursor {
     std::uint64_t job = 0;
     std::uint32_t triangle = 0;
   };
   enum class End : std::uint8_t { kNot, kWriting, kLeaving };
 
-  // The rasteriser's stages from last to first. A stage that returns bool returns true if it did something.
+  // Stages of the rasteriser, from last to first. Functions that return bool return true if the stage did something.
   bool send_line(sim::Time now);
   bool finish_oldest_job(sim::Time now);
   bool write_lists();
@@ -333,10 +335,10 @@ class RasterUnit {
 
   const Job& job_at(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
-  /// Moves the cursor to the first job that has a triangle left; false if there is none.
+  /// Moves the cursor to the first job with an unprocessed triangle. Returns false if no job has one.
   bool advance_cursor(Cursor& cursor) const;
-  /// Count a triangle's statistics and return the cycles that the back stage takes for it: to list it (geometry pass),
-  /// or to find the samples that it covers (wave).
+  /// Counts the work of listing a triangle (geometry pass), or of finding the samples that it covers (wave). Returns
+  /// the cycles that the back stage takes for it.
   std::uint64_t count_listing_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t count_coverage_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();
@@ -352,18 +354,18 @@ class RasterUnit {
   RasterFetch fetch_;
   RasterWrites writes_;
   std::vector<Job> jobs_;
-  std::uint64_t taken_ = 0, ended_ = 0;    ///< number of jobs taken and ended so far
-  Cursor entering_, setting_;              ///< next triangle to enter the window; next triangle to be set up
-  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next list entry of the entering job: its run, and index in the run
+  std::uint64_t taken_ = 0, ended_ = 0;    ///< number of jobs accepted and finished so far
+  Cursor entering_, setting_;              ///< next triangle to enter the window, and next to be set up
+  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next list entry to enter the window: its run, and index in the run
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;
-  std::uint32_t queued_ = 0;    ///< triangles between front stage (transform, set-up) and back stage (list, cover)
-  std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have passed the back stage
-  End end_ = End::kNot;         ///< how far the oldest job has ended
+  std::uint32_t queued_ = 0;    ///< triangles queued from front stage (transform, set-up) to back stage (list, cover)
+  std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have completed the back stage
+  End end_ = End::kNot;         ///< final phase of the oldest job, if it is in one
   sim::Time end_until_ = 0;
-  std::uint64_t closed_ = 0;  ///< number of lines that must have been sent before the batch ends
+  std::uint64_t closed_ = 0;  ///< value of closed_lines() up to which lines must be sent before the oldest batch ends
   std::uint32_t out_run_ = 0,
-                out_entry_ = 0;  ///< next list entry of the batch to be written: its run, and index in the run
+                out_entry_ = 0;  ///< next list entry of the oldest batch to write: its run, and index in the run
   sim::Activity<CycleReason> activity_;
 };
 

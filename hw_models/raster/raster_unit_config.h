@@ -74,14 +74,15 @@ struct RasterUnitConfig {
     if (depth_buffer.bytes < depth_bytes) complain("depth_buffer", "holds not one sample's depth_bytes");
   }
 
-  /// Returns the number of parts in which a wave of `wave_samples` samples passes the depth buffer.
+  /// Returns the number of parts in which a wave of `wave_samples` samples is processed because of the size of the
+  /// depth buffer.
   std::uint64_t depth_buffer_parts(std::uint64_t wave_samples) const {
     const std::uint64_t part = depth_buffer.bytes / depth_bytes;
     return std::max<std::uint64_t>(1, (wave_samples + part - 1) / part);
   }
-  /// Bytes of a transformed vertex in the vertex cache.
+  /// Bytes of a transformed vertex in the rasteriser's vertex cache.
   static constexpr std::uint32_t kVertexBytes = 16;
-  /// Bytes of a triangle in the window or the queue: three vertices and its description.
+  /// Bytes of a triangle in the rasteriser's window or queue: three vertices and a description.
   static constexpr std::uint32_t kTriangleBytes = 64;
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + depth_buffer.bytes + std::uint64_t{vertex_cache} * kVertexBytes +

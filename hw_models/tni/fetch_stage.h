@@ -10,9 +10,9 @@
 
 namespace hw {
 
-/// Counters of a unit's fetch stage and its cache; part of the unit's Stats.
+/// Counters of the fetch stage and L1 cache of a traversal or intersection unit.
 struct FetchStats {
-  std::uint64_t l1_accesses = 0;  ///< computed by stats()
+  std::uint64_t l1_accesses = 0;  ///< sum of hits and misses, computed by stats()
   std::uint64_t l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
   std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
@@ -31,26 +31,26 @@ struct FetchStats {
   }
 };
 
-/// The fetch stage of a traversal or intersection unit: the unit's slots read lines through its L1, and misses are
-/// handled as tni.miss_handling selects.
+/// The fetch stage of a traversal or intersection unit, through which the unit's slots read lines from its L1. The key
+/// tni.miss_handling selects how misses are handled.
 ///
 ///   slots that need a line --> [one probe at a time] --> hit: continue with the line
 ///            ^                        | miss
 ///            +--- line arrives -------+--- reorder: wait in the buffer;  bypass: through the pipe without work;
 ///                                          rau: wait in a table;         blocking: wait here, before all others
 ///
-/// 1. A line that has arrived stays readable for the slots that waited for it, even if it is evicted. So each slot
-/// makes progress, however small the cache.
-/// 2. Under `bypass` the unit sends a slot that missed through its pipe. The slot probes again afterwards.
-/// 3. Under `rau` a slot resumes from its row without another probe, before slots that have not probed yet. A slot that
-/// finds its row full, or no free row, stalls the fetch stage until there is room. A waiting slot keeps its place in
-/// the input buffer.
+/// 1. Slots that waited for a line can read it even if it has been evicted meanwhile. So each slot makes progress,
+/// however small the cache.
+/// 2. With `bypass` a slot that missed goes through the unit's pipe without work and then probes again.
+/// 3. With `rau`, slots that miss wait in the row of their line in the RAU table. They resume without another probe,
+/// before slots that have not probed yet. A slot that finds its row full, or no free row, stalls the fetch stage. A
+/// waiting slot keeps its place in the input buffer.
 class FetchStage {
  public:
-  /// The resource for which a slot waits: its line, an MSHR, or room in the `rau` table. kNothing: the slot has read
-  /// its line.
+  /// The resource for which a slot waits: its line, an MSHR, or room in the `rau` table. kNothing: the slot does not
+  /// wait.
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
-  /// Returns a unit's cycle reason while its slots wait for the resource `wait`; `otherwise` if `wait` is kNothing.
+  /// Returns the cycle reason of a unit whose slots wait for the resource `wait`; `otherwise` if `wait` is kNothing.
   template <class CycleReason>
   static constexpr CycleReason wait_reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
@@ -66,7 +66,7 @@ class FetchStage {
     return otherwise;
   }
 
-  /// `ready`: the unit's mask of slots that need to read a line, which the fetch stage updates.
+  /// `ready`: the unit's mask of slots that need to read a line. The fetch stage keeps a reference and updates it.
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t client, std::uint64_t& ready)
       : l1_(cache, client, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
     rows_read_.reserve(rau_.rows);
@@ -74,26 +74,27 @@ class FetchStage {
   FetchStage(const FetchStage&) = delete;
   FetchStage& operator=(const FetchStage&) = delete;
 
-  /// Returns a mask of the slots that may probe the L1 in this cycle.
+  /// Returns a mask of the slots that may probe the unit's L1 in this cycle.
   std::uint64_t issuable_slots() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
   }
-  /// True while a stalled or just resumed slot has priority over all others.
+  /// True while a slot that stalled or resumed after a miss has priority over all other slots.
   bool is_stalled() const {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
   bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
-  /// Returns the scarcest resource for which any slot waits.
+  /// Returns the resource for which slots of the unit wait. If there are several, the table precedes MSHRs, MSHRs
+  /// precede lines.
   Wait scarcest_wait() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// Probes the L1 for the line of a slot, which must be one of issuable_slots(). After a miss the fetch stage sets the
-  /// slot's `ready` bit again when it may retry; under `bypass` the unit does so.
+  /// Probes the L1 for the line of a slot, which must be one of issuable_slots(). Clears the slot's `ready` bit. After
+  /// a miss, the bit is set again when the slot may retry: by the fetch stage or, with `bypass`, by the unit.
   [[gnu::noinline]] Wait read_line(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
@@ -138,8 +139,9 @@ class FetchStage {
     return Wait::kMshr;
   }
 
-  /// Fast path for a slot's first probe: true if it hits; the unit then clears the slot's bit in `ready`. Returns false
-  /// without side effects if read_line() is needed. Only for reordered misses in a cache that is not ideal.
+  /// Fast path for a slot's first probe of the L1. Returns true if it hits; the caller must then clear the slot's
+  /// `ready` bit. Returns false without side effects if read_line() is needed. Only for miss handling `reorder` and an
+  /// L1 that is not ideal.
   bool try_first_probe_hit(std::uint64_t slot_bit_mask, Addr line) {
     if (((served_ | late_) & slot_bit_mask) != 0 || !l1_.try_hit(line)) [[unlikely]]
       return false;
@@ -147,7 +149,7 @@ class FetchStage {
     return true;
   }
 
-  /// Fills a line into the L1 and sets the `ready` bits of the slots that wait for it.
+  /// Fills a line into the unit's L1 and sets the `ready` bits of the slots that wait for it.
   void fill_line(Addr line, std::uint64_t cycle) {
     const L1Cache::Miss miss = l1_.fill_line(line);
     stats_.l1_fills += 1;
@@ -155,12 +157,13 @@ class FetchStage {
     served_ |= miss.slots;
     if (is_bypassing()) return;
     missing_ &= ~miss.slots;
-    ready_ |= miss.slots | no_mshr_;  // an MSHR is free: slots that found none probe again
+    ready_ |= miss.slots | no_mshr_;  // an MSHR is free, so slots that found none probe again
     if (handling_ != MissHandling::kReorder) unblock_waiters(line, miss.slots);
     no_mshr_ = 0;
   }
 
-  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
+  /// Prefetches the L1 tags that a probe for the line will read into the host's cache. The simulated cache does not
+  /// change.
   void prefetch_tags_on_host(Addr line) const { l1_.prefetch_tags_on_host(line); }
   bool warm_line(Addr line) { return l1_.warm_line(line); }
   const CacheTags& l1_tags() const { return l1_.tags(); }
@@ -168,21 +171,22 @@ class FetchStage {
 
   /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches a line into the L1 on behalf of a slot. Returns false if the line is cached or already requested.
+  /// Prefetches a line into the L1 on behalf of a slot, which does not wait. Returns false if the line is cached or
+  /// already requested.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     return l1_.prefetch_line(line, slot, cycle);
   }
-  /// Attributes later requests of a slot to the given tile.
+  /// Attributes later memory requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { l1_.set_slot_tile(slot, tile); }
   TileTag slot_tile(std::uint32_t slot) const { return l1_.slot_tile(slot); }
 
-  /// Returns the number of L1 misses whose requests to memory have not been sent yet.
+  /// Returns the number of L1 misses whose memory requests have not been sent yet.
   std::size_t unsent_requests() const { return l1_.unsent_requests(); }
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return l1_.next_send_time(next, out);
   }
-  /// True while a line requested from memory has not arrived.
+  /// True if a line requested from memory has not arrived.
   bool waits_for_memory() const { return l1_.outstanding_misses() != 0; }
 
   FetchStats stats() const {
@@ -196,42 +200,44 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
-  /// Counts a successful read of a slot; the read is late if the slot's first probe missed.
+  /// Counts a slot's successful read of a line. It counts as late if the slot's first probe missed.
   void count_read(std::uint64_t slot_mask) {
     stats_.l1_late += (late_ & slot_mask) != 0;
     late_ &= ~slot_mask;
   }
-  /// Clears the wait state of a slot that probes again.
+  /// Clears the bits of a slot that probes again in all masks of waiting slots.
   void clear_waits(std::uint64_t slot_mask) {
     missing_ &= ~slot_mask;
     no_mshr_ &= ~slot_mask;
     resumed_ &= ~slot_mask;
   }
-  /// Makes a slot wait after a miss: in a row of the table (`rau`) or in the fetch stage (`blocking`).
+  /// Makes a slot that missed wait: in a row of the RAU table (`rau`), or in the fetch stage, which stalls
+  /// (`blocking`).
   void wait_after_miss(Addr line, std::uint64_t slot_mask);
-  /// Resumes the slots that wait for an MSHR, for the filled line or for room in the table. Called after a fill;
-  /// `slot_mask`: mask of the slots that waited for the line.
+  /// Resumes slots after the fill of a line: those that wait for an MSHR, for the line or for room in its table row.
+  /// `slot_mask`: slots that waited for the line.
   void unblock_waiters(Addr line, std::uint64_t slot_mask);
   bool has_room_in_rau_table(Addr line);
   /// Removes a slot from its row of the RAU table, and frees the row if it is then empty.
   void remove_from_rau_table(std::uint64_t slot_mask);
   void resume_slots(std::uint64_t slot_mask);
 
-  std::uint64_t late_ = 0;    ///< slots whose first probe for their line missed
-  std::uint64_t served_ = 0;  ///< slots whose line has arrived and is kept for them
+  std::uint64_t late_ = 0;    ///< mask of the slots whose first probe for their line missed
+  std::uint64_t served_ = 0;  ///< mask of the slots whose line has arrived and is kept for them
   FetchStats stats_;
   L1Cache l1_;
   const MissHandling handling_;
   const RauConfig rau_;
-  std::uint64_t& ready_;          ///< slots that need to read a line
-  std::uint64_t missing_ = 0;     ///< slots that wait for a line
-  std::uint64_t no_mshr_ = 0;     ///< slots that wait for an MSHR
-  std::uint64_t resumed_ = 0;     ///< slots that were stalled and may probe again, before all others
+  std::uint64_t& ready_;          ///< mask of the slots that need to read a line
+  std::uint64_t missing_ = 0;     ///< mask of the slots that wait for a line
+  std::uint64_t no_mshr_ = 0;     ///< mask of the slots that wait for an MSHR
+  std::uint64_t resumed_ = 0;     ///< mask of the slots that stalled and may now probe again, before all others
   bool stalled_ = false;          ///< a slot stalls the fetch stage
-  std::uint64_t table_full_ = 0;  ///< slot that stalls the fetch stage because the table has no room
-  Addr wanted_row_ = kAnyRow;     ///< line whose row must get room; kAnyRow: a row must become free
+  std::uint64_t table_full_ = 0;  ///< mask with the slot that stalls because the RAU table has no room for it
+  Addr wanted_row_ = kAnyRow;     ///< line in whose row the stalled slot needs room; kAnyRow: it needs a free row
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has arrived: mask of their slots that have not resumed
+  std::vector<std::uint64_t> rows_read_;  ///< for each row whose line has arrived, mask of the slots that have not
+                                          ///< resumed
 };
 
 }  // namespace hw

@@ -57,7 +57,7 @@ inline bool Ist::take_leaf(sim::Time now) {
   return true;
 }
 
-/// Returns a mask of the slots that may probe the L1 in this cycle.
+/// Returns a mask of the intersection unit's slots that may probe its L1 in this cycle.
 inline std::uint64_t Ist::issuable_slots() const { return reorders_ ? waiting_[kToFetch] : fetch_.issuable_slots(); }
 
 inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
@@ -86,7 +86,7 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
-  // Branch-free: whether it is the triangle's first or second line is unpredictable.
+  // Branch-free, because it is unpredictable whether the triangle's first or second line is read.
   const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
   FetchStage::Wait wait = FetchStage::Wait::kNothing;
   if (reorders_ && fetch_.try_first_probe_hit(slot_bit(index), line)) {
@@ -106,7 +106,7 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
 }
 
 [[gnu::always_inline]] inline Ist::CycleReason Ist::issue_tests(std::uint64_t cycle) {
-  CycleReason why = CycleReason::kStarved;  // until a slot tries to issue
+  CycleReason why = CycleReason::kStarved;  // default, if no slot tries to issue
   for (std::uint64_t slots = issuable_slots(); slots != 0; slots = ideal_ ? issuable_slots() : 0) {
     const CycleReason one = issue_test(slots, cycle);
     if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;

@@ -22,12 +22,13 @@ namespace hw {
 ///
 ///   leaves of all TRVs --> [input buffer] --> triangle fetch (L1) --> distance | edges | hit --> answers
 ///
-/// 1. A test has three phases. Its time and energy end with the phase that fails (T&I engine, 2011).
-/// 2. A triangle that straddles two lines takes two accesses.
-/// 3. Triangles of a leaf are pipelined. The answer leaves when the last result is known.
+/// 1. A triangle test has three phases and ends with the phase that fails. Later phases take no time and energy (T&I
+/// engine, 2011).
+/// 2. A triangle that straddles two lines takes two L1 accesses.
+/// 3. The tests of a leaf's triangles are pipelined. The answer is sent when all results are known.
 /// 4. Leaves are served round robin by slot.
 ///
-/// Not modelled: a hit in one triangle of a leaf does not shorten the tests of the others.
+/// Not modelled: tests that end early because of a hit in another triangle of the leaf.
 class Ist {
  public:
   static constexpr const char* kName = "core.tni.ist";
@@ -68,7 +69,7 @@ class Ist {
     }
   };
   struct Links {
-    std::vector<sim::Link<LeafJob>*> leaves_in;  ///< one per TRV
+    std::vector<sim::Link<LeafJob>*> leaves_in;  ///< one link for each traversal unit (TRV)
     std::vector<sim::Link<LeafDone>*> leaves_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
@@ -100,9 +101,9 @@ class Ist {
   struct Slot {
     LeafJob job;
     std::uint32_t trv = 0;
-    std::uint32_t tested = 0;    ///< triangles fetched completely
-    bool second_line = false;    ///< the first of two lines of the current triangle has been read
-    std::uint64_t known_at = 0;  ///< cycle at which the results of all tests so far are known
+    std::uint32_t tested = 0;    ///< triangles of the leaf that have been fetched completely
+    bool second_line = false;    ///< the first line of a triangle that straddles two has been read
+    std::uint64_t known_at = 0;  ///< cycle in which the results of all tests issued so far are known
   };
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
@@ -120,19 +121,19 @@ class Ist {
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
-  const bool ideal_;     ///< unlimited operations per cycle
-  const bool reorders_;  ///< misses are reordered, and the L1 is not ideal
-  /// Cycles from the fetch of a triangle to the result of its test, by the phase with which the test ends (1 to 3).
+  const bool ideal_;     ///< the unit does unlimited operations per cycle
+  const bool reorders_;  ///< miss handling is `reorder` and the L1 is not ideal
+  /// Cycles from the fetch of a triangle to the result of its test, by the phase (1 to 3) with which the test ends.
   const std::array<std::uint32_t, 4> known_after_;
-  sim::Time line_at_ = sim::kNever;  ///< time at which the next line can be taken
+  sim::Time line_at_ = sim::kNever;  ///< time at which the next line from memory arrives
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
   sim::Link<MemRequest>& memory_out_;
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
-  TimingWheel<kPipes>::Masks
-      waiting_{};  ///< masks of the slots with an answer to send and of the slots that need to read a line
+  /// Mask of the slots with an answer to send, and mask of the slots that need to read a line.
+  TimingWheel<kPipes>::Masks waiting_{};
   FetchStage fetch_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipe_;

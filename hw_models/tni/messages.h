@@ -5,8 +5,8 @@
 
 namespace hw {
 
-/// A ray that a shader core sends to the T&I unit. `id`: the SRP's handle of the ray. `walk`: the ray's recorded walk
-/// through the BVH (traces/walk.h).
+/// A ray that a shader core (SRP) sends to the T&I unit. `walk`: the ray's recorded walk through the BVH
+/// (traces/walk.h). `id`: the SRP's handle of the ray.
 struct RayJob {
   const std::uint32_t* walk = nullptr;
   std::uint32_t id = 0;
@@ -21,14 +21,14 @@ struct RayDone {
 
 /// A leaf of the BVH that a traversal unit sends to the intersection unit.
 struct LeafJob {
-  std::uint32_t first = 0;   ///< first triangle
-  std::uint32_t phases = 0;  ///< for each triangle, the phase with which its test ends (traces/walk.h)
+  std::uint32_t first = 0;   ///< number of the leaf's first triangle
+  std::uint32_t phases = 0;  ///< phase with which the test of each triangle ends, encoded as in traces/walk.h
   std::uint8_t count = 0;
-  std::uint8_t slot = 0;  ///< slot of the ray in its traversal unit, returned with the answer
+  std::uint8_t slot = 0;  ///< slot of the ray in the traversal unit, copied to the answer
   TileTag tile = kNoTile;
 };
 
-/// The intersection unit's answer to a traversal unit: all triangles of a leaf have been tested.
+/// Message from the intersection unit to a traversal unit: all triangles of a leaf have been tested.
 struct LeafDone {
   std::uint8_t slot = 0;
 };

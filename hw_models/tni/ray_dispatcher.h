@@ -14,13 +14,14 @@
 
 namespace hw {
 
-/// The ray dispatcher is the entrance of a T&I unit: it hands rays to the traversal units (TRVs) and collects finished
-/// rays from them.
+/// The ray dispatcher of a T&I unit distributes rays to the traversal units (TRVs) and collects finished rays from
+/// them.
 ///
-///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in turn that has room
+///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in round-robin order that has
+///   room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
-/// It counts the rays sent to and returned by each TRV, and so tracks how full the TRVs are.
+/// It tracks the number of rays in each TRV by counting the rays sent to and returned by the TRV.
 class RayDispatcher {
  public:
   static constexpr const char* kName = "core.tni.dispatcher";
@@ -47,8 +48,8 @@ class RayDispatcher {
 
   struct Policy {
     Dispatch dispatch = Dispatch::kEmptiest;
-    std::uint32_t rays_per_trv = 0;  ///< slots of a TRV's input buffer
-    std::uint32_t hit_interval = 1;  ///< cycles from one hit to the next
+    std::uint32_t rays_per_trv = 0;  ///< capacity of a TRV's input buffer
+    std::uint32_t hit_interval = 1;  ///< minimum cycles from one returned hit to the next
     bool ideal = false;              ///< unlimited rays and hits per cycle (ideal.tni)
   };
 
@@ -68,7 +69,8 @@ class RayDispatcher {
   bool dispatch_ray(sim::Time now);
   bool collect_hit(sim::Time now);
   std::size_t emptiest_trv() const;
-  /// Returns the TRV that can take a ray soonest at or after time `at`; among equals, the next in round-robin order.
+  /// Returns the TRV that can accept a ray soonest, at or after time `at`. Among equally early ones, it is the next in
+  /// round-robin order.
   std::size_t next_trv_in_turn(sim::Time at) const;
   std::size_t chosen_trv(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;

@@ -11,33 +11,34 @@
 
 namespace hw {
 
-/// Stack scheme of a traversal unit: where a ray keeps the far children that it still has to visit.
+/// Stack scheme of a traversal unit: how a ray stores the far children that it has yet to visit.
 enum class StackScheme : std::uint8_t {
-  kFull,          ///< unlimited depth
-  kRestartLink,   ///< short stack: overflow drops the oldest entry but keeps a link to its node; when the stack runs
-                  ///< empty, traversal restarts at that node (US patent 9,275,494)
-  kRestartTrail,  ///< short stack or none: a bit per level marks near children that are done; when the stack runs
-                  ///< empty, traversal restarts at the root and follows the bits (US patents 9,495,792 and 9,390,545)
+  kFull,          ///< a stack of unlimited depth
+  kRestartLink,   ///< short stack: an overflow drops the oldest entry but keeps a link to its node, at which traversal
+                  ///< restarts when the stack is empty (US patent 9,275,494)
+  kRestartTrail,  ///< short stack or none: one bit per BVH level marks finished near children; when the stack is empty,
+                  ///< traversal restarts at the root and follows the bits (US patents 9,495,792 and 9,390,545)
 };
 constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
 
-/// Which node a traversal unit prefetches, if any.
+/// Prefetching policy of a traversal unit.
 enum class Prefetch : std::uint8_t {
   kNone,
-  kSibling,  ///< the far child's node, if a visit hits both children
+  kSibling,  ///< prefetch the far child's node when a visit hits both children
 };
 constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
 
-/// How a ray or leaf is handled that misses in the first-level cache of a T&I unit (fetch_stage.h).
+/// Handling of misses in the first-level caches of a T&I unit (fetch_stage.h): what a ray or leaf that misses does.
 enum class MissHandling : std::uint8_t {
-  kReorder,   ///< it waits in the input buffer and probes again when its line has arrived (Lee et al. 2015)
-  kBypass,    ///< it passes through the pipe without work and probes again, until it hits (US patent 9,754,403)
-  kRau,       ///< it waits in a table next to its line and resumes with it (US patent 9,342,919)
-  kBlocking,  ///< it stalls the fetch stage until its line has arrived
+  kReorder,   ///< wait in the input buffer and probe again when the line has arrived (Lee et al. 2015)
+  kBypass,    ///< go through the pipe without work and probe again, until it hits (US patent 9,754,403)
+  kRau,       ///< wait in the RAU table until the line has arrived, then resume without a probe (US patent 9,342,919)
+  kBlocking,  ///< stall the fetch stage until the line has arrived
 };
 constexpr std::array<std::string_view, 4> names_of(MissHandling) { return {"reorder", "bypass", "rau", "blocking"}; }
 
-/// Configuration of the ray accumulation unit (RAU): a table with one row for each line that rays wait for.
+/// Configuration of the ray accumulation unit (RAU), a table with one row for each missed line. A row stores the rays
+/// that wait for the line.
 struct RauConfig {
   std::uint32_t rows = 16;
   std::uint32_t rays = 4;
@@ -47,7 +48,7 @@ struct RauConfig {
     field(NAMED(c.rows), "rows", "lines that rays wait for at the same time", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.rays), "rays", "rays that can wait for one line", sim::between(1, 64), Affects::kTiming);
   }
-  /// Returns the size of the RAU table in bytes; a row holds a line and `rays` rays.
+  /// Returns the size of the RAU table in bytes. A row stores a line and `rays` rays.
   std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
     return rows * (std::uint64_t{rays} * ray_bytes + line_bytes);
   }
@@ -56,11 +57,11 @@ struct RauConfig {
 /// Dispatch policy of a T&I unit: which traversal unit gets the next ray.
 enum class Dispatch : std::uint8_t {
   kEmptiest,    ///< the traversal unit with the fewest rays inside
-  kRoundRobin,  ///< each unit with room in turn
+  kRoundRobin,  ///< the next unit with room, in round-robin order
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
-/// Maximum latency of a pipeline that a TimingWheel simulates, in cycles.
+/// Maximum latency, in cycles, of pipelines in the T&I unit, which a TimingWheel simulates.
 inline constexpr std::uint32_t kLongestPipe = 63;
 
 /// Configuration of a traversal unit (TRV).
@@ -113,7 +114,7 @@ struct TrvConfig {
       complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
   std::vector<sim::UnitPart> parts() const { return {{"box_tester", box_testers}}; }
-  /// Returns the size of the TRV's cache, input buffer and stacks in bytes.
+  /// Returns the size in bytes of a traversal unit's cache, input buffer and stacks.
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
   }
@@ -154,12 +155,12 @@ struct IstConfig {
 struct TniMode {
   MissHandling handling = MissHandling::kReorder;
   RauConfig rau;
-  bool ideal = false;     ///< unlimited operations of each kind per cycle (ideal.tni)
-  bool ideal_l1 = false;  ///< every probe hits (ideal.l1)
+  bool ideal = false;     ///< all units do unlimited operations of each kind per cycle (ideal.tni)
+  bool ideal_l1 = false;  ///< every probe of an L1 hits (ideal.l1)
 };
 
-/// Configuration of a T&I (traversal and intersection) unit: one ray dispatcher, several traversal units, one
-/// intersection unit.
+/// Configuration of a T&I (traversal and intersection) unit, which has one ray dispatcher, several traversal units and
+/// one intersection unit.
 struct TniConfig {
   std::uint32_t trvs = 4;
   std::uint32_t link_depth = 2;
@@ -182,8 +183,7 @@ struct TniConfig {
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
   }
-  /// Returns the size in bytes of the SRAM of one traversal unit, or of the intersection unit, including its RAU table
-  /// if it has one.
+  /// Returns the SRAM bytes of one traversal unit, or of the intersection unit, with its RAU table if it has one.
   std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }
   std::uint64_t ist_sram_bytes() const { return ist.sram_bytes() + rau_bytes(ist.leaf_bytes, ist.l1.line.bytes); }
 

@@ -3,7 +3,7 @@
 namespace hw {
 namespace {
 
-/// Returns the configuration of a T&I unit with ideal pipes. Misses are reordered, so that no ray delays another.
+/// Returns the configuration of a T&I unit with ideal pipes. Miss handling is `reorder`, so that no ray delays another.
 TniConfig with_ideal_pipes(TniConfig config) {
   constexpr std::uint32_t kMost = 64;
   config.link_depth = kMost;
@@ -83,7 +83,7 @@ void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
   sim::Time* const wakes = turn.wakeup_times;
   Cycle cycle(now, dispatcher_id_.clock);
   for (;;) {
-    // A unit's work in a cycle wakes no other unit before the next cycle.
+    // No unit can wake another unit in the same cycle, so the due units are determined once.
     const std::uint64_t due = sim::WakeupTable::due_mask(wakes, turn.group_minima.size(), cycle.now);
     if ((due & 1U) != 0) wakes[0] = dispatcher_->tick(cycle.now);
     if ((due & 2U) != 0) wakes[1] = ist_->tick(cycle);

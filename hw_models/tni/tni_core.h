@@ -13,7 +13,7 @@
 
 namespace hw {
 
-/// Declares the intersection unit (IST) of a core's T&I unit. It is built later, with its links.
+/// Declares the intersection unit (IST) of a core's T&I unit in the machine. The unit is built later, with its links.
 sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock);
 
 /// A core's T&I unit: ray dispatcher, traversal units (TRVs), intersection unit (IST), and the links between them.
@@ -21,35 +21,36 @@ sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uin
 ///   rays --> dispatcher --> TRV x n <--> IST
 ///   hits <-- dispatcher <-- TRV x n
 ///
-/// The units are declared first, so that links can connect to them, and built once the links exist.
+/// The constructor declares the units, so that links can connect to them. build_units() builds them when the links
+/// exist.
 class TniCore {
  public:
   struct Scene {
     TreeInMemory tree;
     TrianglesInMemory triangles;
   };
-  /// Which parts of a T&I unit are ideal (ideal.*).
+  /// Selects the parts of a T&I unit that are ideal (keys ideal.*).
   struct Ideal {
-    bool tni = false;  ///< 64 rays per TRV, 64 leaves, unlimited operations per cycle, each in one cycle
-    bool l1 = false;   ///< every probe hits
+    bool tni = false;  ///< 64 rays per TRV, 64 leaves in the IST, unlimited operations per cycle, each in one cycle
+    bool l1 = false;   ///< every probe of an L1 hits
   };
   struct Links {
     sim::Link<RayJob>& rays_in;
     sim::Link<RayDone>& hits_out;
-    std::span<const MemoryPort> memory;  ///< one port for each of memory_clients()
+    std::span<const MemoryPort> memory;  ///< one port for each of memory_clients(), in that order
   };
 
   TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);
-  /// Builds the dispatcher, TRVs and IST in the machine that declared them. `hit_interval`: cycles from one returned
-  /// hit to the next.
+  /// Builds the dispatcher, TRVs and IST of the T&I unit. `machine`: the one in which they were declared.
+  /// `hit_interval`: minimum cycles from one returned hit to the next.
   void build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
-  /// Lets this object tick its units as a cluster of the machine (sim/partitions.h). The cluster includes the core's
-  /// port if that has the same clock.
+  /// Makes this T&I unit a cluster of the machine (sim/partitions.h), so that it ticks its units itself. The core's
+  /// cache port belongs to the cluster if it has the same clock.
   void make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);
 
-  /// Returns the unit that takes rays and returns hits.
+  /// Returns the ray dispatcher's id: the unit that accepts rays and returns hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }
   /// Returns the memory clients of the T&I unit: the L1 of each TRV, then the L1 of the IST.
   std::vector<MemoryClient> memory_clients() const;
@@ -66,11 +67,11 @@ class TniCore {
   RayDispatcher* dispatcher_ = nullptr;
   std::vector<Trv*> trvs_;
   Ist* ist_ = nullptr;
-  CorePort* port_ = nullptr;  ///< null if the port is not in the cluster
+  CorePort* port_ = nullptr;  ///< the core's cache port; null if it is not in the cluster
 };
 
-/// Returns the addresses and links of a scene in memory as a T&I unit needs them. `parents`: from traces::parents_of().
-/// Both arguments must outlive the result.
+/// Returns the addresses of the BVH and triangles in memory, and the links between nodes, for T&I units. `parents`:
+/// result of traces::parents_of(). Both arguments must outlive the result.
 inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,

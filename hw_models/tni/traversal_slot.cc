@@ -11,7 +11,8 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
   const std::uint32_t from = from_root ? 0 : entries.front().node;
   const std::uint32_t instance = entries.back().instance;
   const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
-  // The loop walks upwards. At the root of an instance's tree it continues in the tree over instances.
+  // From the youngest entry's node upwards. The loop continues from the root of an instance's tree to the tree over
+  // instances.
   for (std::uint32_t node = entries.back().node;;) {
     path_.push_back(node);
     if (node == from) break;
@@ -24,7 +25,7 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
   }
 }
 
-/// Returns the sub-pipe of the next step in the rare cases that the table of next_pipe() does not cover.
+/// Returns the sub-pipe of the ray's next step in the rare cases that the table in next_pipe() does not cover.
 TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   if (restarting_) return kToInner;
   if (traces::kind_of(next_step_) == StepKind::kCull) {
@@ -35,8 +36,8 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   return next_pipe();
 }
 
-/// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to its next step.
-/// Restarts are rare, so rays keep no such list.
+/// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to the next step. Rays
+/// do not store this list, because restarts are rare.
 void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
   entries.clear();
   std::uint32_t instance = traces::kNone;
@@ -44,12 +45,12 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
   for (const std::uint32_t* step = walk; step != next_word_; ++step) {
     const StepKind kind = traces::kind_of(*step);
     if (kind == StepKind::kCull) {
-      // The last culls are in progress: resize() below drops the entries that they have popped.
+      // The culls just before the next step may be incomplete: resize() below removes the entries popped so far.
       if (step + 1 != next_word_) entries.resize(entries.size() - traces::culled_of(*step));
       continue;
     }
     if (must_pop) {
-      instance = entries.back().instance;  // the ray continues in the instance of the entry
+      instance = entries.back().instance;  // instance in which the ray continues
       entries.pop_back();
     }
     if (traces::is_enter(*step)) {
@@ -59,7 +60,7 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
     }
     must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
     if (kind == StepKind::kLeaf) {
-      ++step;  // word with the exit phases of the step
+      ++step;  // skip the word with the exit phases
     } else if (traces::hits_of(*step) == 3) {
       entries.push_back({traces::node_of(*step), instance});
     }
@@ -71,8 +72,8 @@ void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& 
                                  std::uint32_t capacity, std::vector<StackEntryOrigin>& entries, RestartPath& path,
                                  StackStats& stats) {
   assert(stack_depth_ > 0 && "a pop from an empty stack");
-  // Each visit on the path pushes its far child again, so the short stack ends up with the youngest entries. With a
-  // trail the last visit continues at its far child without a pop.
+  // Each visit on the path pushes its far child again, so the short stack then contains the youngest entries. With a
+  // restart trail, the last visit continues at its far child without a pop.
   list_entries(walk, entries);
   path.plan_path(entries, tree, has_trail);
   restarting_ = true;

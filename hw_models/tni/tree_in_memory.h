@@ -8,23 +8,24 @@
 
 namespace hw {
 
-/// The BVH in memory as a traversal unit reads it: addresses of node records, and links between nodes.
+/// Memory layout of the BVH for a traversal unit: addresses of node records, and links between nodes.
 struct TreeInMemory {
   Addr nodes = 0;
-  std::uint32_t node_bytes = 64;  ///< bytes of a record, which may straddle two lines
-  /// Parent of each inner node, for restarts. In a two-level BVH, the parent of each instance's root follows.
+  std::uint32_t node_bytes = 64;  ///< size of a node record, which may straddle two lines
+  /// Parent of each inner node, for restarts. In a two-level BVH, entries for the instances follow: the node that is
+  /// the parent of the instance.
   std::span<const std::uint32_t> parents{};
-  /// For records that hold a single box: the records of the two children of each inner node. Empty if a record holds
-  /// both boxes of its node.
+  /// If records contain a single box: the records of the two children of each inner node. Empty if the record of a node
+  /// contains the boxes of both children.
   std::span<const std::array<std::uint32_t, 2>> single_boxes{};
-  bool hybrid = false;  ///< boxes are in fixed point
+  bool hybrid = false;  ///< boxes are stored in fixed point
   /// The children of each node, for prefetching.
   std::span<const traces::NodeRecord> links{};
   /// Address and contents of the instance records of a two-level BVH.
   Addr instances = 0;
   std::span<const traces::InstanceRecord> placed{};
 
-  /// True if each node's record holds the boxes of both children and is exactly one cache line.
+  /// True if each node's record contains the boxes of both children and is exactly one cache line.
   bool has_one_line_per_node() const {
     return single_boxes.empty() && node_bytes == kLineBytes && nodes % kLineBytes == 0;
   }
@@ -39,8 +40,8 @@ struct TreeInMemory {
     Addr line = 0;
     bool last = true;  ///< true for the last line of the visit
   };
-  /// Returns the cache line with number `index`, from 0, of a visit to a node. With 2 box testers a visit reads the
-  /// boxes of both children, with 1 only the box of `child`.
+  /// Returns the cache line number `index` (from 0) that a visit to a node reads. `testers`: number of box testers.
+  /// With 2, a visit reads the boxes of both children, with 1 only that of `child`.
   Line line_of_visit(std::uint32_t node, std::uint32_t testers, std::uint32_t child, std::uint32_t index) const;
 };
 

@@ -11,7 +11,8 @@
 
 namespace hw {
 
-static constexpr std::size_t kUsualStackDepth = 128;  ///< entries reserved; deeper trees allocate more
+static constexpr std::size_t kUsualStackDepth = 128;  ///< entries for which memory is reserved; deeper stacks allocate
+                                                      ///< more
 
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
          sim::Clock clock)
@@ -62,8 +63,8 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-/// Updates the counts of cycles and visits with a full input buffer, after rays have entered or left at time `now`. A
-/// cycle counts as full by the state at its end, a visit by the state before it.
+/// Updates the counts of cycles and node visits with a full input buffer. Called after rays have entered or left at
+/// time `now`. A cycle counts if the buffer is full at its end, a visit if it was full before the visit's cycle.
 void Trv::account_full_buffer(sim::Time now) {
   rays_moved_ = false;
   if (full_ == (free_ == 0)) return;
@@ -97,7 +98,7 @@ void Trv::prefetch_far_nodes(std::uint64_t cycle) {
   far_nodes_.clear();
 }
 
-/// Handles a probe of the L1 that missed, and returns the reason to which the cycle is charged.
+/// Handles a TRV slot's miss in the L1. Returns the reason to which the cycle is charged.
 Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
   if (fetch_.is_bypassing()) {
     stats_.bypass_passes += 1;
@@ -106,8 +107,8 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
   return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
-/// Returns a mask of the slots that may enter the shared pipe of a unit with one pipe; slots with leaves only if there
-/// is room for a leaf.
+/// Returns a mask of the slots that may enter the shared pipe of a TRV with one pipe. Slots with a leaf are included if
+/// `room_for_leaves`.
 std::uint64_t Trv::shared_pipe_slots(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
@@ -223,7 +224,7 @@ template <bool kDefault>
   const TreeInMemory::Line read =
       has.plain ? TreeInMemory::Line{tree_.line_of_node(node), true}
                 : tree_.line_of_visit(node, config_.box_testers, slot.tested_child(), slot.lines_read());
-  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at simulate_cycle()).
+  // Fast path: saves 6, 1 and 1 % of the host's instructions for the three frames named at simulate_cycle().
   if (has.reorders && fetch_.try_first_probe_hit(slot_bit(index), read.line)) {
     waiting_[kToInner] &= ~slot_bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read_line(index, read.line, cycle.number);
@@ -294,8 +295,8 @@ Trv::CycleReason Trv::issue_in_shared_pipe(const Cycle& cycle) {
   return CycleReason::kSerial;
 }
 
-/// Simulates one cycle of the traversal unit. Fast path: the default features as constants save 12, 5 and 4 % of the
-/// host's instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
+/// Simulates one cycle of the traversal unit. Default features as constants save 12, 5 and 4 % of the host's
+/// instructions for conference-331k, chess-42k and garden-outdoor-643k at 128x64.
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::simulate_cycle(const Cycle& cycle) {
   const TrvFeatures has = active_features<kDefault>();
@@ -303,7 +304,7 @@ template <bool kDefault>
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
-  CycleReason why = CycleReason::kStarved;  // until a slot tries to issue
+  CycleReason why = CycleReason::kStarved;  // default, if no slot tries to issue
   if (has.one_pipe) {
     why = issue_in_shared_pipe(cycle);
   } else {
@@ -345,8 +346,8 @@ bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const 
   return slot.is_restarting() ? paths_[index].enters_instance() : traces::is_enter(slot.next_step());
 }
 
-/// Transforms a ray into an instance's space, as one operation of the box pipe: 9 multiplications and 9 additions for
-/// the origin, 9 and 6 for the direction, and a reciprocal.
+/// Transforms a ray into an instance's space, as one operation of the box pipe. The origin takes 9 multiplications and
+/// 9 additions, the direction 9 and 6 and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const std::uint32_t instance =
       slot.is_restarting() ? paths_[index].next_instance() : traces::instance_of(slot.next_step());
@@ -354,7 +355,7 @@ Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, 
   if (wait != FetchStage::Wait::kNothing) return handle_miss(wait, index, cycle);
   stats_.transforms += 1;
   if (slot.is_restarting()) {
-    paths_[index].remove_next_step();  // never the last one: a node of the instance's tree follows
+    paths_[index].remove_next_step();  // not the last step: a node of the instance's tree follows
   } else {
     slot.enter_instance();
   }
@@ -391,7 +392,7 @@ void Trv::issue_outputs(const Cycle& cycle) {
     if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
     rays_moved_ = true;
   }
-  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after demand requests
+  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after the cycle's demand accesses
   fetch_.send_request(cycle.now, links_.memory_out);
 }
 

@@ -18,24 +18,24 @@
 
 namespace hw {
 
-/// Features of a traversal unit. Every tick of the unit tests them.
+/// Features of a traversal unit that its ticks test.
 struct TrvFeatures {
   bool instances = false;   ///< the scene has instances
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point
-  bool one_pipe = false;    ///< passes, pops and leaves share one pipe
+  bool one_pipe = false;    ///< box tests, pops and leaves share one pipe
   bool ideal = false;       ///< unlimited operations per cycle
-  bool prefetches = false;  ///< far nodes are prefetched
-  bool reorders = true;     ///< misses are reordered, and the L1 is not ideal
-  bool stack = true;        ///< a ray's stack has at least one entry
+  bool prefetches = false;  ///< nodes of far children are prefetched
+  bool reorders = true;     ///< miss handling is `reorder` and the L1 is not ideal
+  bool stack = true;        ///< a ray's stack has a capacity of at least one entry
 
   friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
 };
 
-/// Features of a traversal unit in the default configuration. Trv::tick() is compiled twice: for these features as
-/// constants, and for any features.
+/// Features of a traversal unit in the default configuration. The code of a tick is compiled twice: with these features
+/// as constants, and for any features.
 inline constexpr TrvFeatures kDefaultTrvFeatures{};
 
-/// A traversal unit (TRV) takes independent rays through a 2-wide BVH. Its three sub-pipes run in parallel, each with
+/// A traversal unit (TRV) takes independent rays through a 2-wide BVH. Its three sub-pipes work in parallel, each on
 /// one operation per cycle.
 ///
 ///   rays --> [input buffer: up to 64 slots] --> inner: node fetch (L1) + both boxes --+
@@ -44,15 +44,16 @@ inline constexpr TrvFeatures kDefaultTrvFeatures{};
 ///                   +---- finished rays leave in any order
 ///
 /// 1. A ray keeps its slot until it retires. Ready rays are served round robin by slot.
-/// 2. The fetch stage handles a ray whose node is not in the L1 (fetch_stage.h). A visit whose records span several
-/// lines fetches one line per cycle.
-/// 3. A push shares the cycle of its visit: the stack RAM has one read and one write port.
-/// 4. With one box tester (the unit before 2014) a visit takes two passes, child 0 then child 1. Passes, pops and
-/// leaves share one pipe: one of them enters per cycle, a leaf for `count` cycles. Each keeps its own latency.
-/// 5. At an instance, a ray reads the instance's record, a line through the L1, and is transformed into the instance's
-/// space. The slot keeps the original ray, so a pop out of the instance costs nothing extra.
+/// 2. The fetch stage handles rays whose node misses in the L1 (fetch_stage.h). A visit that needs several lines
+/// fetches one per cycle.
+/// 3. A push needs no cycle of its own, because the stack RAM has one read and one write port.
+/// 4. With one box tester (the unit before 2014) a visit takes two passes, one per child. Passes, pops and leaves then
+/// share one pipe, which accepts one of them per cycle; a leaf of n triangles occupies it for n cycles. Latencies do
+/// not change.
+/// 5. At an instance, the unit reads the instance's record, one line, through the L1 and transforms the ray into the
+/// instance's space. The slot keeps the original ray, so a pop out of the instance has no extra cost.
 ///
-/// Not modelled: reuse of a ray's slot in the input buffer while the ray waits in the table (`rau`).
+/// Not modelled: reuse of a ray's slot in the input buffer while the ray waits in the RAU table.
 class Trv {
  public:
   static constexpr const char* kName = "core.tni.trv";
@@ -153,7 +154,8 @@ class Trv {
     std::uint32_t node = 0, slot = 0;
   };
 
-  /// Simulates one cycle. `kDefault`: the unit has kDefaultTrvFeatures, which are then compile-time constants.
+  /// Simulates one cycle of the traversal unit. `kDefault`: its features are kDefaultTrvFeatures, used as compile-time
+  /// constants.
   template <bool kDefault>
   sim::Time simulate_cycle(const Cycle& cycle);
   sim::Time simulate_cycle_with_any_features(const Cycle& cycle);
@@ -162,30 +164,30 @@ class Trv {
     return kDefault ? kDefaultTrvFeatures : features_;
   }
 
-  // Each of these does at most one operation and returns true if it did.
+  // Each of these functions does at most one operation. It returns true if it did one.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
   bool fill_arrived_line(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
   bool retire_ray(sim::Time now);
 
-  /// Takes a cache line, an answer of the intersection unit and a ray from the unit's links, each if it has arrived.
+  /// Takes a cache line, an answer of the intersection unit and a ray from the TRV's input links, if they have arrived.
   void take_arrivals(const Cycle& cycle);
-  /// True if the unit can send a leaf, retire a ray or send a memory request in this cycle. One combined test, because
+  /// True if the TRV has a leaf to send, a ray to retire or a memory request to send. It is one combined test, because
   /// the single conditions are unpredictable.
   bool has_output(sim::Time now) const {
     return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent_requests()) != 0;
   }
-  /// Returns a mask of the slots with a leaf to send; 0 while the leaf pipe or the link is not free.
+  /// Returns a mask of the slots with a leaf to send to the intersection unit; 0 if the leaf pipe or the link is
+  /// occupied.
   std::uint64_t issuable_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
     return waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
   }
-  /// Sends a leaf, retires a ray, prefetches far nodes and sends a memory request, each if there is one and room for
-  /// it.
+  /// Sends a leaf, retires a ray, prefetches nodes of far children and sends a memory request, each if possible.
   void issue_outputs(const Cycle& cycle);
 
-  /// Returns the slot of the mask to serve next, round robin.
+  /// Returns the next slot of the mask `slot_mask` to visit a node, in round-robin order.
   std::uint32_t next_slot_round_robin(std::uint64_t slot_mask) {
     const std::uint32_t index = round_robin(slot_mask, inner_turn_);
     inner_turn_ = (index + 1) % 64;
@@ -201,53 +203,56 @@ class Trv {
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass of a visit, which reads one line or tests one box. Returns false if the visit needs another pass.
+  /// Ends a pass of a node visit. Returns false if the visit needs another pass, for the other child with one box
+  /// tester.
   bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// Collects, for prefetching, the far children of those visits in the mask `visited_slots` that hit both children.
+  /// Adds the far children of the last visits of the slots `visited_slots`, which hit both children, to the nodes to
+  /// prefetch.
   void collect_far_nodes(std::uint64_t visited_slots);
   void prefetch_far_nodes(std::uint64_t cycle);
-  /// Returns the reason for the cycles from time `next` on in which no node enters the box pipe.
+  /// Returns the reason to which cycles from time `next` on are charged if no node enters the box pipe.
   CycleReason wait_reason(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
   void account_full_buffer(sim::Time now);
 
-  // Members that ticks read come first, so that they share few host cache lines.
-  alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< slots that wait for each sub-pipe
-  /// Earliest times at which the next ray, answer and cache line can be taken; none of them is before `soonest`.
+  // Members that every tick reads are first, so that they occupy few host cache lines.
+  alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< mask of the slots that wait for each sub-pipe
+  /// Times at which the next ray, answer and cache line arrive. `soonest`: a lower bound of the times at which one can
+  /// be taken.
   struct Arrivals {
     sim::Time soonest = sim::kNever, rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
   } arrivals_;
-  sim::Time leaf_free_at_ = 0;  ///< time at which the leaf pipe, or the one shared pipe, accepts its next operation
+  sim::Time leaf_free_at_ = 0;  ///< time at which the leaf pipe (or the shared pipe) is free
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
-  const std::uint32_t box_latency_, transform_latency_;  ///< L1 hit included
+  const std::uint32_t box_latency_, transform_latency_;  ///< cycles, including an L1 hit
   const std::uint32_t stack_latency_;
   const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
   const TrvFeatures features_;
-  const bool is_default_;    ///< the features are those of the default configuration
+  const bool is_default_;    ///< the features equal kDefaultTrvFeatures
   bool rays_moved_ = false;  ///< a ray entered or retired in this cycle
-  bool full_ = false;  ///< every slot has held a ray since `full_since_`, which was after visit `full_since_visit_`
+  bool full_ = false;        ///< every slot has had a ray since time `full_since_` and visit number `full_since_visit_`
   std::vector<TraversalSlot> slots_;
   const sim::Clock clock_;
   sim::Activity<CycleReason> activity_;
   Stats stats_;
   FetchStage fetch_;
-  TimingWheel<kPipes> pipes_;  ///< slots inside the sub-pipes, by the pipe that they need next
+  TimingWheel<kPipes> pipes_;  ///< slots in the sub-pipes, by the pipe that they need next
 
   const TreeInMemory tree_;
   Links links_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
-  std::uint64_t at_ist_ = 0;             ///< slots that wait for the intersection unit's answer
-  std::uint64_t both_children_hit_ = 0;  ///< slots in the box pipe whose visit hits both children, for prefetching
+  std::uint64_t at_ist_ = 0;             ///< mask of the slots that wait for the intersection unit's answer
+  std::uint64_t both_children_hit_ = 0;  ///< mask of the slots in the box pipe whose visit hits both children
   const TrvConfig config_;
-  std::vector<const std::uint32_t*> begins_;  ///< first step of each slot's ray
-  std::vector<RestartPath> paths_;            ///< restart path of each slot
-  std::vector<StackEntryOrigin> entries_;     ///< scratch space for a restart
+  std::vector<const std::uint32_t*> begins_;  ///< first step of the walk of each slot's ray
+  std::vector<RestartPath> paths_;            ///< restart path of each slot's ray
+  std::vector<StackEntryOrigin> entries_;     ///< scratch space for restarts
   std::vector<FarNode> far_nodes_;            ///< nodes to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
   std::uint64_t full_since_visit_ = 0;
