@@ -9,15 +9,15 @@
 
 namespace hw {
 
-/// Configuration memory of a shader core's array: records which kernels' rows it holds. To make room for another
-/// kernel, it evicts the least recently used ones. Rows of a kernel need not be contiguous, so there is no
+/// Configuration memory of a shader core's array: tracks which kernels' configurations are in it. The least recently
+/// used ones are evicted to make room for another. A configuration need not be contiguous, so there is no
 /// fragmentation.
 class ConfigMemory {
  public:
   ConfigMemory(std::uint64_t bytes, std::size_t max_kernels) : free_(bytes) { resident_.reserve(max_kernels); }
 
-  /// Selects the kernel that runs next and takes `config_bytes` of configuration. Returns true if it is in the memory;
-  /// otherwise loads it, and keeps it if it fits.
+  /// Selects the kernel that runs next. Returns true if its configuration, of `config_bytes` bytes, is in the memory.
+  /// Otherwise loads it, and keeps it there if it fits.
   bool select_kernel(traces::KernelId kernel, std::uint64_t config_bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
@@ -39,19 +39,19 @@ class ConfigMemory {
     std::uint64_t bytes = 0;
   };
   std::uint64_t free_;
-  std::vector<Resident> resident_;  ///< least recently used first
+  std::vector<Resident> resident_;  ///< kernels in the memory, least recently used first
 };
 
-/// Consecutive items of one kernel launch within a loop on the shader core's array. A loop runs one or more chunks.
+/// A chunk: consecutive items of one kernel launch that run in a loop on the shader core's array.
 struct LoopChunk {
   std::uint32_t tile = 0, node = 0;
-  std::uint32_t first = 0, items = 0;  ///< items of the launch, idle ones included
-  std::uint32_t working = 0;           ///< leading items that do not idle
-  std::uint32_t begin = 0;             ///< number of the chunk's first item within the loop
+  std::uint32_t first = 0, items = 0;  ///< first item within the launch; number of items, idle ones included
+  std::uint32_t working = 0;           ///< number of leading items that do not idle
+  std::uint32_t begin = 0;             ///< index of the chunk's first item within the loop
 };
 
-/// The chunks of kernel launches that run as one loop on the shader core's array: first the working items of all
-/// chunks, then all idle items.
+/// The chunks of kernel launches that run as one loop on the shader core's array. The loop runs the working items of
+/// all chunks, then the idle items.
 class LoopChunks {
  public:
   void reserve(std::size_t chunks) { chunks_.reserve(chunks); }
@@ -71,7 +71,7 @@ class LoopChunks {
   std::size_t size() const { return chunks_.size(); }
   auto begin() const { return chunks_.begin(); }
   auto end() const { return chunks_.end(); }
-  /// Returns the chunk of a launch in this loop, or null if the loop has none of that launch.
+  /// Returns the chunk of a launch in this loop, or null if no chunk of the launch is in the loop.
   const LoopChunk* find_chunk_of_launch(std::uint32_t tile, std::uint32_t node) const {
     const auto part =
         std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return p.tile == tile && p.node == node; });
@@ -87,20 +87,20 @@ class LoopChunks {
   std::uint32_t items_ = 0, working_ = 0;
 };
 
-/// The software-pipelined loop that a shader core's array runs. Array time is the time since the start of the loop
-/// without the stalls.
+/// The software-pipelined loop that a shader core's array runs. Array time is the time since the loop's start,
+/// excluding stalls.
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
   LoopChunks chunks;
-  std::uint32_t loading = 0;              ///< leading items that access the data cache
+  std::uint32_t loading = 0;              ///< number of leading items that access the data cache
   sim::Time begin = 0;                    ///< start time of the kernel switch
-  sim::Time without_rays = 0;             ///< total time up to `begin` in which the T&I unit had no ray of the core
+  sim::Time without_rays = 0;             ///< RayFeeder::time_without_rays() at time `begin`
   sim::Time configured = 0;               ///< end time of the kernel switch
   sim::Time start = 0;                    ///< start time of the loop
-  sim::Time stall_time = 0;               ///< stall time so far
+  sim::Time stall_time = 0;               ///< stall time of the loop so far
   sim::Time stalled_since = sim::kNever;  ///< start of the current stall; kNever: not stalled
-  std::uint32_t next_item = 0;            ///< next item to request its cache lines
+  std::uint32_t next_item = 0;            ///< next item whose cache lines are requested
   std::uint32_t next_line = 0;            ///< index of the next cache line of that item
   std::uint32_t ii = 1, depth = 0;
 
@@ -111,7 +111,7 @@ struct ArrayLoop {
     stalled_since = sim::kNever;
   }
   sim::Time array_time(sim::Time now) const { return (is_stalled() ? stalled_since : now) - start - stall_time; }
-  /// Returns the time at which an item leaves the array if there are no further stalls.
+  /// Returns the time at which a loop item leaves the array if there are no further stalls.
   sim::Time item_end(const sim::Clock& clock, std::uint32_t item) const {
     return start + stall_time + (depth + sim::Time{item} * ii) * clock.period();
   }

@@ -14,21 +14,21 @@ using kernels::Op;
 
 namespace {
 
-/// An access to local memory that every item of a loop makes. `slot`: cycle of the access within the initiation
-/// interval. `behind`: number of younger items that have started by then.
+/// A local memory access of every item of a loop. `slot`: its cycle within the initiation interval. `behind`: number of
+/// younger items that have started by then.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
-  std::uint32_t words = 1;  ///< number of 16-byte pieces of a record
-  std::uint32_t part = 0;   ///< index of the record's first piece, counted from the first bank of its array
+  std::uint32_t words = 1;  ///< length of a record in 16-byte words
+  std::uint32_t part = 0;   ///< bank of the accessed word in record 0, before the modulo
   bool constant = false;
-  std::uint32_t index = 0;  ///< record number, if constant
+  std::uint32_t index = 0;  ///< index of the record, if `constant`
 };
 
 bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.op == Op::kStoreLocal; }
 std::uint32_t words_of(const GraphNode& node) { return std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes); }
 
 std::vector<LocalAccess> accesses_of(const KernelSchedule& schedule, const kernels::Graph& graph) {
-  std::map<std::string, std::uint32_t> begins;  // first bank of each array, in the order of the graph
+  std::map<std::string, std::uint32_t> begins;  // first bank of each array
   std::uint32_t end = 0;
   for (const GraphNode& node : graph.nodes) {
     if (!is_local(node) || !begins.emplace(node.label, end).second) continue;
@@ -54,14 +54,13 @@ BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Grap
   const std::vector<LocalAccess> accesses = accesses_of(schedule, graph);
   BankConflicts conflicts{0, bank_count};
   std::vector<std::uint32_t> used(bank_count);
-  for (std::uint32_t item = 0; item < bank_count;
-       ++item) {  // the pattern of bank_count repeats every `bank_count` items
+  for (std::uint32_t item = 0; item < bank_count; ++item) {  // the conflicts repeat every `bank_count` items
     for (std::uint32_t slot = 0; slot < schedule.ii; ++slot) {
       std::ranges::fill(used, 0);
       std::uint32_t most = 0;
       for (const LocalAccess& a : accesses) {
         if (a.slot != slot) continue;
-        // A negative difference wraps at 2^32, a multiple of the number of bank_count.
+        // A negative difference wraps modulo 2^32, which is a multiple of `bank_count`.
         const std::uint32_t record = a.constant ? a.index : item - a.behind;
         most = std::max(most, ++used[(record * a.words + a.part) % bank_count]);
       }

@@ -5,8 +5,8 @@
 
 namespace hw {
 
-/// Stall cycles of a loop because of conflicting accesses to banks of local memory: `cycles` per `items` items, once
-/// the pipeline is full.
+/// Stall cycles of a kernel's loop because of bank conflicts in local memory: `cycles` per `items` items, when the
+/// pipeline is full.
 struct BankConflicts {
   std::uint64_t cycles = 0;
   std::uint64_t items = 1;
@@ -17,13 +17,13 @@ struct BankConflicts {
 /// Computes the bank conflicts of a scheduled kernel in a local memory of `bank_count` banks, a power of two,
 /// interleaved by 16 bytes.
 ///
-/// 1. Arrays of records are staggered, as a compiler would place them: each begins a record's length after the one
-/// before.
-/// 2. The array of functional units is scheduled statically, so k accesses to one bank in a cycle take k - 1 extra
+/// 1. Arrays of records are staggered, as a compiler would place them: the banks at which two successive arrays begin
+/// are one record apart.
+/// 2. The functional units are scheduled statically, so k accesses to one bank in a cycle stall all of them for k - 1
 /// cycles.
-/// 3. Items access records in item order; a constant index is the same record for all items.
+/// 3. Item i accesses record i. An access with a constant index goes to the same record for all items.
 ///
-/// Not modelled: prologue and drain, accesses of the T&I unit.
+/// Not modelled: prologue and drain of a loop, accesses of the T&I unit.
 BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t bank_count);
 
 }  // namespace hw

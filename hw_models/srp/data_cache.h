@@ -7,8 +7,8 @@
 
 namespace hw {
 
-/// The cache lines that one access of a kernel reads. The access specifies an element; the memory layout gives the
-/// address.
+/// The cache lines that one memory access of a kernel reads. They follow from the accessed element and the memory
+/// layout.
 struct LineSet {
   Addr line[4];
   std::uint32_t count = 0;

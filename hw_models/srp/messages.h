@@ -7,11 +7,11 @@
 
 namespace hw {
 
-/// Message from the tile dispatcher to a core: a new tile, or an update of the borders that a tile in the core still
-/// waits for.
+/// Message from the tile dispatcher to a core: a new tile, or an update of the borders for which one of the core's
+/// tiles waits.
 struct TileJob {
   const traces::TileWork* work = nullptr;
-  std::uint32_t missing = 0;  ///< mask of TileWork::imports: imported borders that are not in memory yet
+  std::uint32_t missing = 0;  ///< imported borders that are not in memory yet, as a mask over TileWork::imports
   TileTag tile = kNoTile;
 };
 static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
@@ -30,14 +30,14 @@ constexpr Area area_of(traces::Region region) { return static_cast<Area>(region)
 static_assert(area_of(traces::Region::kPicture) == Area::kPicture &&
               area_of(traces::Region::kSamples) == Area::kSamples && area_of(traces::Region::kRates) == Area::kRates);
 
-/// Job for a DMA: a block to be moved between the tile buffer and memory.
+/// Job for a DMA engine: a block to be moved between the tile buffer and memory.
 struct DmaJob {
   Addr base = 0;
   std::uint32_t bytes = 0;
-  bool write = true;      ///< true: from the tile buffer to memory
-  std::uint32_t tag = 0;  ///< returned when the job is done
+  bool write = true;      ///< direction; true: from the tile buffer to memory
+  std::uint32_t tag = 0;  ///< value returned when the job is done
   Area area = Area::kPicture;
-  std::uint32_t encode_cycles = 0;  ///< cycles to sRGB-encode a line's pixels; 0: no encoding
+  std::uint32_t encode_cycles = 0;  ///< cycles to sRGB-encode the pixels of a line; 0: no encoding
   TileTag tile = kNoTile;
 };
 
@@ -49,7 +49,7 @@ struct DmaDone {
 struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;
-  std::uint32_t tag = 0;  ///< returned when the job is done
+  std::uint32_t tag = 0;  ///< value returned when the job is done
   TileTag tile = kNoTile;
 };
 

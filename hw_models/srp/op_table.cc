@@ -9,10 +9,10 @@ using kernels::Op;
 
 struct Table {
   std::array<OpClass, static_cast<std::size_t>(Op::kCount)> class_of{};
-  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses>
-      latency{};  ///< configuration key of the latency; null: no latency
+  /// Configuration key of each class's latency; null: latency 0, or computed by latency_of().
+  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses> latency{};
   std::array<const char*, kOpClasses> event{};
-  std::size_t ops = 0;  ///< number of operations that have a class
+  std::size_t ops = 0;  ///< number of operations that are assigned to a class
 
   constexpr void add_class(OpClass op_class, std::initializer_list<Op> operations, std::uint32_t OpLatencyConfig::*key,
                            const char* name) {

@@ -9,27 +9,27 @@
 
 namespace hw {
 
-/// Class of a kernel operation: the unit or port of the shader core's array that the operation occupies. The class
-/// determines its cost.
+/// Class of a kernel operation, by the unit or port of the shader core's array that it occupies. The class determines
+/// the operation's cost.
 enum class OpClass : std::uint8_t {
-  kFree,  ///< occupies no unit: a value of the loop, a field of a loaded record, reinterpreted bits
+  kFree,  ///< no unit is occupied: loop variables, fields of loaded records, reinterpreted bits
   kFpAdd,
   kFpMul,
-  kFpMulAdd,  ///< a multiply-add, on arrays with such units
+  kFpMulAdd,  ///< multiply-adds, on arrays with multiply-add units
   kFpDivSqrt,
-  kFpCompare,  ///< also minimum and maximum
-  kIntAdd,     ///< also integer comparisons, which are subtractions
+  kFpCompare,  ///< comparisons, minimum and maximum of floats
+  kIntAdd,     ///< integer additions, and comparisons, which are subtractions
   kIntMul,
-  kIntLogic,  ///< also sign changes, selects and combined masks
+  kIntLogic,  ///< logic operations, sign changes, selects and combined masks
   kIntShift,
-  kConvert,  ///< also floor
+  kConvert,  ///< conversions and floor
   kLocalRead,
   kLocalWrite,
   kCachedRead,
   kCount
 };
 inline constexpr std::size_t kOpClasses = static_cast<std::size_t>(OpClass::kCount);
-/// Number of operations, or of 16-byte accesses, of each class.
+/// Number of operations (for memory classes: of 16-byte accesses) of each OpClass.
 using OpMix = std::array<std::uint32_t, kOpClasses>;
 
 constexpr std::array<std::string_view, kOpClasses> names_of(OpClass) {
@@ -43,13 +43,13 @@ constexpr bool is_memory_class(OpClass op_class) {
   return op_class == OpClass::kLocalRead || op_class == OpClass::kLocalWrite || op_class == OpClass::kCachedRead;
 }
 
-/// Returns the cycles from the issue of an operation of this class to the first use of its result.
+/// Returns the latency of an operation class: cycles from an operation's issue to the first use of its result.
 std::uint32_t latency_of(OpClass op_class, const OpLatencyConfig& latency);
 /// Returns the cycles for which an operation of this class occupies its unit or port.
 std::uint32_t occupancy_of(OpClass op_class, const OpLatencyConfig& latency);
 
-/// Returns the name of the energy event of one operation of this class (for local memory, of one 16-byte access).
-/// Returns an empty string for classes without an event; the data cache counts its own events.
+/// Returns the name of the energy event of an operation of this class (for local memory, of a 16-byte access). Empty
+/// for classes without an event; the data cache counts its own events.
 const char* energy_event_of(OpClass op_class);
 
 }  // namespace hw

@@ -10,14 +10,14 @@ namespace hw {
 struct RayFeed {
   std::uint32_t tile = 0, batch = 0;
   std::uint32_t next = 0;         ///< next ray to send
-  std::uint64_t after_spill = 0;  ///< number of spill transfers that must have finished before
+  std::uint64_t after_spill = 0;  ///< the feed waits until this number of spill transfers has finished
 };
 
-/// The batches of rays that a shader core is sending, and the number of its rays in the T&I unit.
+/// The batches of rays that a shader core is sending to the T&I unit, and the number of its rays there.
 struct RayFeeder {
-  std::vector<RayFeed> feeds;   ///< in the order of their launches
+  std::vector<RayFeed> feeds;   ///< batches being sent, in the order of their launches
   sim::Time next_at = 0;        ///< time at which the direct interface accepts the next ray
-  std::uint64_t in_flight = 0;  ///< rays in the T&I unit
+  std::uint64_t in_flight = 0;  ///< number of rays in the T&I unit
 
   void note_sent(sim::Time now) {
     idle_ = time_without_rays(now);
@@ -26,11 +26,11 @@ struct RayFeeder {
   void note_returned(sim::Time now) {
     if (--in_flight == 0) empty_since_ = now;
   }
-  /// Returns the total time up to `now` in which the T&I unit held no ray of this core.
+  /// Returns the total time up to `now` in which the T&I unit had no ray.
   sim::Time time_without_rays(sim::Time now) const { return idle_ + (in_flight == 0 ? now - empty_since_ : 0); }
 
  private:
-  sim::Time idle_ = 0;  ///< time without rays before the current gap
+  sim::Time idle_ = 0;  ///< time without rays before `empty_since_`
   sim::Time empty_since_ = 0;
 };
 

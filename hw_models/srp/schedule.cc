@@ -16,22 +16,21 @@ using kernels::GraphNode;
 using kernels::Op;
 
 constexpr std::uint32_t kNone = GraphNode::kNone;
-/// Number of placements tried per operation before the scheduler tries the next initiation interval.
+/// Number of placements per operation after which the scheduler gives up an initiation interval.
 constexpr std::size_t kPatience = 16;
 /// Total number of placements after which the scheduler increases the initiation interval in larger steps and tries
 /// fewer placements per operation.
 constexpr std::size_t kQuick = 10'000;
 constexpr std::size_t kLessPatience = 4;
 
-/// Order in which the kernel scheduler places operations.
+/// Priority by which the kernel scheduler orders the operations to be placed.
 enum class Order : std::uint8_t {
-  kByHeight,   ///< longest path to the end first
-  kLongFirst,  ///< operations that occupy a unit for several cycles first, while there are gaps of that length; then by
-               ///< height
+  kByHeight,   ///< operations with the longest path to the end of an item first
+  kLongFirst,  ///< operations that occupy a unit for several cycles first, because they need long gaps; then by height
 };
 
-/// Places the operations of a kernel at one initiation interval by iterative modulo scheduling. An operation that finds
-/// no free unit evicts others.
+/// Tries to place all operations of a kernel at one initiation interval, by iterative modulo scheduling. An operation
+/// that finds no free unit evicts others.
 class Placer {
  public:
   Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii, Order order)
@@ -103,7 +102,8 @@ class Placer {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  /// Places an operation at the first time at which a unit is free; among free units, on the least capable one.
+  /// Places an operation in the first cycle in which a unit is free. If several are free, the least capable one is
+  /// used.
   void place_operation(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
@@ -132,8 +132,8 @@ class Placer {
            std::int64_t{dependence.distance} * ii_;
   }
 
-  /// Returns the unit whose operations in these cycles are least urgent. The search of a unit stops as soon as it is
-  /// worse than the best so far.
+  /// Returns the unit from which operation `op`, started at cycle `start`, would evict the least urgent operations. The
+  /// search skips the rest of a unit that is already worse than the best so far.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t unit_count, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
     const std::vector<BitVector>& rows = busy_rows(op);
@@ -154,8 +154,8 @@ class Placer {
     return best;
   }
 
-  /// Places an operation on a unit at the time `start`, and evicts operations that overlap it or would use its result
-  /// too early.
+  /// Places an operation on a unit at cycle `start`. Evicts operations that overlap it or would use its result too
+  /// early.
   void place_at(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {
@@ -188,18 +188,18 @@ class Placer {
   std::vector<std::int64_t> height_;
   std::vector<std::optional<std::int64_t>> starts_;
   std::vector<std::uint32_t> units_;
-  std::vector<std::int64_t> last_;  ///< start of the operation's last placement; -1: not placed yet
+  std::vector<std::int64_t> last_;  ///< start cycle of each operation's last placement; -1: not placed yet
   std::vector<std::uint32_t> by_urgency_,
-      rank_;               ///< operations, most urgent first; index of each operation in that order
-  BitVector waiting_;      ///< ranks of the operations without a place
+      rank_;               ///< operations, most urgent first; rank of each operation in that order
+  BitVector waiting_;      ///< ranks of the operations that are not placed
   std::size_t tried_ = 0;  ///< number of placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
-  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
-  std::array<std::vector<BitVector>, kPools> busy_;       ///< occupied rows of the table, by unit
+  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation tables; entry unit * ii + row is an operation
+  std::array<std::vector<BitVector>, kPools> busy_;       ///< occupied rows of each unit in the reservation tables
 };
 
-/// Tries initiation intervals upwards from `bound` until all operations are placed, each with both placement orders of
-/// Order. The interval grows by 1, and after kQuick placements by larger steps.
+/// Tries initiation intervals upwards from `bound`, each with both placement orders, until all operations are placed.
+/// The interval grows by 1, and after kQuick placements by larger steps.
 std::unique_ptr<Placer> place_at_smallest_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                    std::uint32_t bound) {
   std::size_t tried = 0;

@@ -14,7 +14,7 @@ using kernels::Op;
 
 namespace {
 
-/// True if a cycle is reached by following the links in `links`.
+/// True if following `links` from any node leads to a cycle. `links`: next node of each node, or kNone.
 bool has_cycle(const std::vector<std::uint32_t>& links) {
   std::vector<std::uint32_t> met_from(links.size(), GraphNode::kNone);
   for (std::uint32_t first = 0; first < links.size(); ++first) {
@@ -37,7 +37,7 @@ ScheduleGraph::ScheduleGraph(const Graph& graph, const SrpConfig& config)
   for (std::uint32_t id = 0; id < nodes; ++id) add_dependences(graph, id);
 }
 
-/// Fuses each addition with the first of its factors' products that no other operation uses, into one multiply-add.
+/// Fuses each addition with its first operand that is a product and has no other use, into one multiply-add.
 void ScheduleGraph::fuse_products(const Graph& graph) {
   std::vector<std::uint32_t> uses(graph.nodes.size());
   for (const GraphNode& node : graph.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
@@ -105,14 +105,14 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
     distance += node.distance;
     id = from;
   }
-  return {};  // values that are passed on unchanged: no operation produces them
+  return {};  // a value passed from item to item unchanged: no operation produces it
 }
 
 std::vector<std::int64_t> ScheduleGraph::path_heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
   for (const Operation& op : operations_) height.push_back(op.latency);
-  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next operation on the longest path
-  // Bellman-Ford: if heights grow without bound, the longest paths soon contain a cycle.
+  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next on the longest path
+  // Bellman-Ford algorithm. If heights grow without bound, the longest paths soon contain a cycle.
   for (bool grew = true; grew;) {
     grew = false;
     for (auto d = dependences_.rbegin(); d != dependences_.rend(); ++d) {
@@ -182,7 +182,7 @@ std::uint32_t resource_interval(const std::vector<Operation>& operations, const 
   for (std::size_t kind = 0; kind < demands.size(); ++kind) {
     const Demand& demand = demands[kind];
     if (demand.operations == 0) continue;
-    // All operations that can use at most these units must share them.
+    // Operations of all classes that can use only these units must share them.
     const auto own = static_cast<OpClass>(kind);
     const std::uint32_t units = capable_units(own, array);
     std::uint32_t busy = 0;

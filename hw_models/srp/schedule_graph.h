@@ -14,7 +14,7 @@ namespace hw {
 /// Bytes that a port of the shader core's local memory moves per cycle.
 inline constexpr std::uint32_t kPortBytes = 16;
 
-/// An item that the kernel scheduler places: an operation of a kernel, or one port-wide access of a load or store.
+/// What the kernel scheduler places: an operation of a kernel, or one port-wide access of a load or store.
 struct Operation {
   OpClass kind = OpClass::kFree;
   std::uint32_t node = 0;
@@ -24,7 +24,7 @@ struct Operation {
 };
 
 /// A dependence between operations of a kernel: operation `to` uses the result that operation `from` produced
-/// `distance` items before. It reads the result `after` cycles after its own issue.
+/// `distance` items before. `to` reads the result `after` cycles after its own issue.
 struct Dependence {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
@@ -32,26 +32,26 @@ struct Dependence {
   std::uint32_t after = 0;
 };
 
-/// Dependence graph of a kernel: the operations and memory accesses that occupy a unit or port. On an array with
-/// multiply-add units, a product with a single use in an addition or subtraction is fused with it. The fused operation
-/// reads its other operand when the product is ready, so fusing lengthens no path.
+/// Dependence graph of a kernel: the operations and memory accesses that occupy a unit or port. If the array has
+/// multiply-add units, a product that is used only by one addition or subtraction is fused with it. The multiply-add
+/// reads the other summand when its product is ready, so fusing lengthens no path.
 class ScheduleGraph {
  public:
   ScheduleGraph(const kernels::Graph& graph, const SrpConfig& config);
 
   const std::vector<Operation>& operations() const { return operations_; }
   const std::vector<Dependence>& dependences() const { return dependences_; }
-  /// True if graph node `id` is a product that is fused with its addition.
+  /// True if node `id` of the kernel's graph is a product that is fused with an addition.
   bool is_fused(std::uint32_t id) const { return fused_[id]; }
 
-  /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of this or a later
-  /// item, with one item every `ii` cycles. Empty if `ii` is too short for a value passed from item to item.
+  /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of its or a later
+  /// item, at initiation interval `ii`. Empty if `ii` is too short for a value passed from item to item.
   std::vector<std::int64_t> path_heights(std::uint32_t ii) const;
   /// Returns the smallest initiation interval at which every value passed from item to item arrives in time.
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// Source of a value: an operation of the same item or of `distance` items before. kNone: a constant or the item's
+  /// Source of a value: an operation of the item that is `distance` items earlier. kNone: a constant or the item's
   /// number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
@@ -61,7 +61,7 @@ class ScheduleGraph {
   void fuse_products(const kernels::Graph& graph);
   bool adds_product(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
-  /// Returns the bytes that one access of a load or store of this class moves.
+  /// Returns the bytes that one access of a memory operation of this class moves.
   std::uint32_t access_bytes(OpClass op_class) const {
     return op_class == OpClass::kCachedRead ? cache_width_ : kPortBytes;
   }
@@ -70,25 +70,28 @@ class ScheduleGraph {
   Source source_of(const kernels::Graph& graph, std::uint32_t id) const;
 
   std::uint32_t cache_width_;
-  std::uint32_t product_latency_;     ///< cycles until a multiply-add reads its other operand
-  std::vector<bool> fused_;           ///< by node: is_fused()
-  std::vector<std::uint32_t> first_;  ///< first operation of each node
+  std::uint32_t product_latency_;     ///< cycles from a multiply-add's issue until it reads the other summand
+  std::vector<bool> fused_;           ///< result of is_fused() for each node
+  std::vector<std::uint32_t> first_;  ///< index of each node's first operation
   std::vector<Operation> operations_;
   std::vector<Dependence> dependences_;
 };
 
-/// Kinds of units and ports that operations occupy. Some operations can use only some units of their pool.
+/// Pools of equal units or ports that operations occupy. Some classes of operations can use only some units of their
+/// pool.
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
 Pool pool_of(OpClass op_class);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
-/// Returns how many units of its pool, counted from the first, can execute an operation of this class.
+/// Returns the number of units of its pool that can execute an operation of this class. They are the first ones of the
+/// pool.
 std::uint32_t capable_units(OpClass op_class, const ArrayConfig& array);
-/// Returns the smallest initiation interval at which the array has enough units and ports for all operations.
+/// Returns the smallest initiation interval at which the shader core's array has enough units and ports for all
+/// operations.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);
 
-/// A bit vector that is searched one word at a time.
+/// A bit vector that is searched 64 bits at a time.
 class BitVector {
  public:
   explicit BitVector(std::uint32_t size) : size_(size), words_((size + 63) / 64) {}
@@ -101,7 +104,7 @@ class BitVector {
     word = value ? word | bit : word & ~bit;
   }
   std::uint32_t count_of(bool value) const { return value ? set_ : size_ - set_; }
-  /// Returns the first index in [from, end) at which the bit is `value`; `end` if there is none.
+  /// Returns the first index in [from, end) of a bit that equals `value`; `end` if there is none.
   std::uint32_t find_first(std::uint32_t from, std::uint32_t end, bool value) const {
     const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
     std::uint64_t below = (std::uint64_t{1} << from % 64) - 1;
@@ -118,8 +121,8 @@ class BitVector {
   std::vector<std::uint64_t> words_;
 };
 
-/// Returns the number of rows from `row` to the next row that is busy (`is_busy`) or free (not `is_busy`) in a
-/// reservation table that wraps around. Returns the size of the table if it has no such row. `row` may exceed the size.
+/// Returns the distance from `row` to the next busy row (`is_busy`) or free row (not `is_busy`) of a unit in a cyclic
+/// reservation table. Returns the number of rows if there is none. `row` may exceed that number.
 inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool is_busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
@@ -127,8 +130,8 @@ inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool i
   return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, is_busy);
 }
 
-/// Returns the distance from row `from` to the first gap of `length` free rows in a reservation table that wraps
-/// around; at most `limit`.
+/// Returns the distance from row `from` to the first gap of `length` free rows of a unit in a cyclic reservation table;
+/// at most `limit`.
 inline std::uint32_t rows_until_gap(const BitVector& rows, std::uint32_t from, std::uint32_t length,
                                     std::uint32_t limit) {
   if (rows.count_of(false) < length) return limit;

@@ -54,8 +54,8 @@ sim::Time Srp::tick(sim::Time now) {
   return next_wake(now);
 }
 
-/// Adds the cycles since the last tick to the counters `fed` (the T&I unit had rays of this core) and `awaited` (it had
-/// rays while the array was idle).
+/// Adds the cycles since the last tick to the counters `fed` (cycles in which the T&I unit had rays) and `awaited`
+/// (those in which the array was also idle).
 inline void Srp::account_until(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
   if (occupancy_.tni_had_rays) stats_.fed += cycles;
@@ -129,7 +129,7 @@ std::string Srp::state() const {
                      buffer_.used_slots(), buffer_.slot_count(), rays_.feeds.size(), transfers_.dma.size(), tiles);
 }
 
-// Tiles.
+// Functions that handle tiles.
 
 void Srp::take_tile(sim::Time now) {
   if (!has_room(links_.tiles_in.front())) return;
@@ -172,7 +172,7 @@ void Srp::end_tile(sim::Time now, std::uint32_t tile) {
   launch_.check_pending = true;
 }
 
-// Array loop and its loads.
+// Functions that run the loop on the array and its loads.
 
 inline void Srp::run_array(sim::Time now) {
   if (loop_.active && now >= loop_.start) {
@@ -195,8 +195,8 @@ void Srp::finish_chunk(sim::Time now) {
   for (const LoopChunk& part : loop_.chunks) finish_items(now, part.tile, part.node, part.items);
 }
 
-/// Notifies the observer that the loop on the array has ended. The loop's cycles are divided among its tiles by their
-/// items, in whole cycles that add up.
+/// Notifies the observer that the loop on the array has ended. The loop's cycles are divided among its chunks in
+/// proportion to their items, in whole cycles whose sum is exact.
 void Srp::notify_loop_end(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
   for (const LoopChunk& part : loop_.chunks) {
@@ -230,7 +230,8 @@ void Srp::fill_arrived_line(sim::Time now) {
   loads_.mshrs_full = false;
 }
 
-/// True if all cache lines that the loop needs at this array time have arrived; otherwise stalls the array.
+/// Returns true if all cache lines that the loop needs by now have arrived. Otherwise stalls the array and returns
+/// false.
 bool Srp::ensure_loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
@@ -249,8 +250,8 @@ bool Srp::ensure_loads_in_time(sim::Time now) {
   return true;
 }
 
-/// Requests the cache lines of the item that enters the loop now. Returns false if the array is stalled because no MSHR
-/// is free.
+/// Requests the cache lines of the item that enters the loop now, if one does. Returns false if the array stalls
+/// because no MSHR is free.
 bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = loop_.array_time(now);
   if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;
@@ -266,8 +267,8 @@ bool Srp::issue_loads(sim::Time now) {
   return true;
 }
 
-/// Fast path: lets items enter the loop early if that changes no result. These are items without cache lines, and items
-/// that hit while no miss is outstanding, so that no fill can come between.
+/// Fast path: handles the loads of later items early if that changes no result. These are items without cache lines,
+/// and items that hit while no miss is outstanding, so that no fill can precede them.
 inline void Srp::issue_ready_hits() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
@@ -280,7 +281,7 @@ inline void Srp::issue_ready_hits() {
   }
 }
 
-/// Requests those cache lines of a loop item that it has not requested yet. Returns false if no MSHR is free.
+/// Requests the remaining cache lines of a loop item. Returns false if no MSHR is free.
 inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
@@ -305,7 +306,7 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// Ideal shader core: requests the cache lines of all items at once, as long as MSHRs are free. Returns true when all
+/// For an ideal shader core: requests the cache lines of all loop items as fast as MSHRs allow. Returns true when all
 /// lines have arrived.
 bool Srp::load_all_items(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
@@ -338,7 +339,7 @@ void Srp::collect_lines(std::uint32_t item) {
   }
 }
 
-// Launch scheduler.
+// Functions of the launch scheduler.
 
 void Srp::start_chunk(sim::Time now) {
   launch_.check_pending = false;
@@ -354,8 +355,8 @@ void Srp::start_chunk(sim::Time now) {
   if (!launch_.is_blocked) return;
   const bool rays_can_go =
       std::ranges::any_of(rays_.feeds, [&](const RayFeed& f) { return ray_ready_at(f) != sim::kNever; });
-  // The borders that the oldest tile imports will arrive, because they belong to even older tiles. Borders that younger
-  // tiles import may depend on this tile.
+  // Borders imported by the oldest tile will arrive, because they belong to still older tiles. Borders imported by
+  // younger tiles may depend on this tile.
   const bool data_come = transfers_.spills_done < transfers_.spills_started || transfers_.awaited > 0 ||
                          tiles_[by_age_.front()].is_awaiting_border();
   if (rays_.in_flight > 0 || rays_can_go || data_come) return;
@@ -407,7 +408,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   kernel_use_[work.kernel].idle += items - working;
 }
 
-/// Switches the array to a kernel and returns the cycles until it can run the kernel.
+/// Switches the shader core's array to a kernel. Returns the cycles until the array can run the kernel.
 std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
   if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
   const std::uint32_t rows = frame_.kernels[kernel].ii;
@@ -416,7 +417,7 @@ std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
   return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
 }
 
-/// Adds the next chunk of a launch to the loop, and spills rays to memory for which no ray slot is free.
+/// Adds the next chunk of a launch to the loop. Spills rays of the chunk that find no free ray slot to memory.
 void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const std::uint32_t first = run.done_items(node), items = run.chunk_items(node);
@@ -426,7 +427,8 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
-  // A spilled ray is written and read back before it is issued; its hit is written and read back before it is shaded.
+  // A spilled ray is written to memory and read back before it is sent; its hit is written and read back before it is
+  // shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.count_reads(bytes / kAccessBytes);
   buffer_.count_writes(bytes / kAccessBytes);
@@ -439,8 +441,8 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   }
 }
 
-/// Adds other ready launches of the same kernel to the loop, oldest tile first, up to the items of a chunk and the free
-/// ray slots.
+/// Adds chunks of other ready launches of the same kernel to the loop, oldest tile first. Limits: the maximum number of
+/// items of a chunk, and the free ray slots.
 void Srp::join_ready_launches(const WorkNode& work) {
   for (const std::uint32_t tile : by_age_) {
     const TileRun& run = tiles_[tile];
@@ -453,7 +455,7 @@ void Srp::join_ready_launches(const WorkNode& work) {
   }
 }
 
-// Ray feeder.
+// Functions that exchange rays and hits with the T&I unit.
 
 sim::Time Srp::ray_ready_at(const RayFeed& feed) const {
   if (transfers_.spills_done < feed.after_spill) return sim::kNever;
@@ -509,7 +511,7 @@ void Srp::notify_batch_end(sim::Time now, std::uint32_t tile, std::uint32_t ray)
   notify(*frame_.observer, BatchEnded{frame_.core, tile, batch, &run.node(batch), rays_.in_flight, now});
 }
 
-// Transfers.
+// Functions that start and finish transfers and rasteriser jobs.
 
 void Srp::start_transfers(std::uint32_t tile) {
   tiles_[tile].start_transfers([&](std::uint32_t n) {
@@ -552,7 +554,7 @@ void Srp::queue_raster_job(std::uint32_t tile, std::uint32_t node) {
   if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }
 
-/// Sends jobs to the rasteriser and takes finished ones from it.
+/// Sends waiting jobs to the rasteriser, and takes notifications of finished jobs from it.
 void Srp::service_rasteriser_links(sim::Time now) {
   if (links_.raster_in->can_pop(now)) {
     const std::uint32_t tag = links_.raster_in->pop(now).tag;

@@ -25,26 +25,26 @@
 
 namespace hw {
 
-/// The shader core (SRP) of a GPU core executes the kernel launches of the core's tiles, sends their rays to the T&I
-/// unit and starts DMA transfers of their data.
+/// The shader core (SRP) of a GPU core: executes the kernel launches of the core's tiles, sends their rays to the T&I
+/// unit and starts DMA transfers.
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///                        [ transfers whose inputs are done ] --> DMA
 ///                  [ waves and batches whose inputs are done ] <--> rasteriser, if there is one
 ///
-/// 1. A launch runs in chunks. Chunks of one kernel that are ready together may run as one loop. Each loop pays a
-/// kernel switch (if the array runs another kernel), prologue and drain.
-/// 2. A switch to a kernel in configuration memory takes `switch_cycles`; the rows of other kernels are loaded first.
-/// 3. A chunk starts only if its rays fit into free ray slots. The first rays of a younger tile leave room for those of
-/// the oldest tile.
-/// 4. If nothing else can make progress, the oldest tile's launch starts anyway, and rays without a slot are spilled to
-/// memory.
-/// 5. The array is scheduled statically: a data-cache line that is late stalls the whole array. Cycles lost to bank
+/// 1. A launch runs in chunks of items. Ready chunks of the same kernel may be merged into one loop. Each loop pays for
+/// prologue and drain, and for a kernel switch if the array ran another kernel.
+/// 2. A kernel switch takes `switch_cycles`, and more if the kernel must first be loaded into configuration memory.
+/// 3. A chunk starts only if its rays fit into free ray slots. The first rays of a younger tile must leave room for
+/// rays of the oldest tile.
+/// 4. If nothing else can make progress, the oldest tile's ready launch starts without free slots. Its rays without a
+/// slot are spilled to memory.
+/// 5. The array is scheduled statically, so a late data-cache line stalls the whole array. Cycles lost to bank
 /// conflicts are charged before the loop starts.
 ///
-/// Not modelled: VLIW mode between loops beyond the switch cost, transfer of configurations from memory to the core,
-/// the cost of separate base addresses and constants for each launch of a merged loop.
+/// Not modelled: the code between loops (VLIW mode), except for the switch cost; transfer of configurations from memory
+/// to the core; separate base addresses and constants for each launch of a merged loop.
 class Srp {
  public:
   static constexpr const char* kName = "core.srp";
@@ -81,24 +81,24 @@ class Srp {
     sim::Link<MemResponse>& memory_in;
     sim::Link<DmaJob>& dma_out;
     sim::Link<DmaDone>& dma_in;
-    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: the core has no rasteriser
+    sim::Link<RasterJob>* raster_out = nullptr;  ///< null if the core has no rasteriser
     sim::Link<RasterDone>* raster_in = nullptr;
   };
-  /// Properties of the frame and the configuration that a shader core needs in addition to its own settings.
+  /// What a shader core needs to know of the frame and of other units.
   struct Frame {
     const traces::Layout* layout = nullptr;
-    std::span<const KernelSchedule> kernels;   ///< by KernelId
-    std::span<const BankConflicts> conflicts;  ///< by KernelId
+    std::span<const KernelSchedule> kernels;   ///< schedules by KernelId
+    std::span<const BankConflicts> conflicts;  ///< bank conflicts by KernelId
     traces::FrameRequirements needs;
-    sim::Time ray_interval = 0;        ///< time between rays on the direct interface
-    std::array<Addr, kAreas> areas{};  ///< start addresses; this core's ray slots spill to kSpill
-    std::uint32_t encode_cycles = 0;   ///< cycles of the DMA to sRGB-encode a line of pixels; 0: no encoding
+    sim::Time ray_interval = 0;        ///< minimum time between two rays on the direct interface
+    std::array<Addr, kAreas> areas{};  ///< start addresses; spilled rays of this core go to kSpill
+    std::uint32_t encode_cycles = 0;   ///< cycles in which the DMA sRGB-encodes a line of pixels; 0: no encoding
     std::uint32_t plane_bytes = 0;     ///< bytes that a rasteriser writes to the tile buffer per sample
-    bool ideal = false;                ///< kernels cost no time
+    bool ideal = false;                ///< kernels take no time
     bool ideal_buffer = false;         ///< the tile buffer is unlimited and has no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< number of this core, for events
+    std::uint32_t core = 0;  ///< number of this core, reported in events
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t client,
@@ -122,10 +122,11 @@ class Srp {
   void set_cache_tags(const CacheTags& tags) { cache_.set_tags(tags); }
 
  private:
-  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< marks that the lines of no item are collected
-  static constexpr std::uint64_t kAccessBytes = 16;        ///< bytes of an access to the tile buffer
+  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item: value of `lines_of_item` while no lines are
+                                                           ///< collected
+  static constexpr std::uint64_t kAccessBytes = 16;        ///< bytes of one tile buffer access
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< tag of DMA jobs for spilled rays
-  // A handle combines the slot of a tile in flight (high bits) with the index of a ray or node in the tile.
+  // A handle identifies a ray or node: slot of its tile (high bits) and index within the tile.
   static constexpr std::uint32_t kTileShift = 24;
   static_assert(kMaxRays == 1U << kTileShift);
   static constexpr std::uint32_t handle_of(std::uint32_t tile, std::uint32_t index) {
@@ -133,43 +134,43 @@ class Srp {
   }
   static constexpr std::uint32_t tile_of_handle(std::uint32_t handle) { return handle >> kTileShift; }
   static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
-  /// Progress of the data cache loads of the loop that the array runs.
+  /// Progress of the data cache loads of the loop on the array.
   struct Loads {
-    /// A loop item that waits for cache lines.
+    /// A loop item that waits for data cache lines.
     struct Item {
-      sim::Time needed = 0;  ///< array time at which the item needs the lines
+      sim::Time needed = 0;  ///< array time (ArrayLoop) at which the item needs the lines
       std::uint32_t slot = 0;
     };
     sim::Ring<Item> queue;
-    std::uint64_t missing = 0;                 ///< mask of the slots of items that wait for lines
-    std::vector<std::uint32_t> lines_missing;  ///< lines that each slot waits for
+    std::uint64_t missing = 0;                 ///< mask of the item slots that wait for lines
+    std::vector<std::uint32_t> lines_missing;  ///< number of lines for which each slot waits
     std::vector<Addr> lines;
-    std::uint32_t lines_of_item = kNoItem;  ///< loop item to which `lines` belongs
+    std::uint32_t lines_of_item = kNoItem;  ///< loop item whose lines are in `lines`
     bool mshrs_full = false;                ///< the array is stalled because no MSHR is free
   };
-  /// State of the shader core's launch scheduler, which chooses the kernel launch that the array runs next.
+  /// State of the launch scheduler, which chooses the kernel launch that the shader core's array runs next.
   struct Launch {
-    bool check_pending = false;          ///< an event may have made a launch ready
-    bool is_blocked = false;             ///< a launch was ready but found too few free ray slots
-    std::uint32_t kernel = 0xffffffffU;  ///< kernel configured on the array
+    bool check_pending = false;          ///< a launch may have become ready since the last check
+    bool is_blocked = false;             ///< a launch is ready but has too few free ray slots
+    std::uint32_t kernel = 0xffffffffU;  ///< kernel for which the array is configured
     ConfigMemory config_memory;
   };
-  /// Jobs that wait to be sent to the DMA and to the rasteriser.
+  /// Shader core jobs that wait to be sent to the DMA and to the rasteriser.
   struct Transfers {
     sim::Ring<DmaJob> dma;
     sim::Ring<RasterJob> raster;
     std::uint64_t spills_started = 0, spills_done = 0;
-    std::uint64_t awaited = 0;  ///< transfers in progress that nodes wait for
+    std::uint64_t awaited = 0;  ///< transfers in progress for which nodes wait
   };
-  /// State of the shader core since the last tick, for the counters `fed` and `awaited`.
+  /// Occupancy of T&I unit and array since the last tick, for the counters `fed` and `awaited`.
   struct Occupancy {
     bool tni_had_rays = false, array_was_busy = false;
-    sim::Time until = 0;  ///< end of the time accounted so far
+    sim::Time until = 0;  ///< time up to which these counters are updated
   };
 
-  // Tiles.
+  // Functions that handle tiles.
   void take_tile(sim::Time now);
-  /// Returns the slot of the tile in flight to which a border update belongs; tiles_.size() if the job is a new tile.
+  /// Returns the slot of the tile to which a border update belongs; tiles_.size() if the message is a new tile.
   std::uint32_t find_in_flight_slot(const TileJob& job) const;
   bool has_room(const TileJob& job) const {
     return by_age_.size() < tiles_.size() || find_in_flight_slot(job) != tiles_.size();
@@ -177,7 +178,7 @@ class Srp {
   void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
   void end_tile(sim::Time now, std::uint32_t tile);
 
-  // Array loop and its loads.
+  // Functions that run the loop on the array and its loads.
   void run_array(sim::Time now);
   void fill_arrived_line(sim::Time now);
   bool issue_loads(sim::Time now);
@@ -190,7 +191,7 @@ class Srp {
   void finish_chunk(sim::Time now);
   void notify_loop_end(sim::Time now, std::uint64_t cycles) const;
 
-  // Launch scheduler.
+  // Functions of the launch scheduler.
   void start_chunk(sim::Time now);
   bool has_ray_slots(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
@@ -198,14 +199,14 @@ class Srp {
   void add_chunk(std::uint32_t tile, std::uint32_t node);
   void join_ready_launches(const traces::WorkNode& work);
 
-  // Ray feeder.
+  // Functions that exchange rays and hits with the T&I unit.
   bool feed_ray(sim::Time now);
   void take_hit(sim::Time now);
   void notify_batch_end(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
-  /// Returns the time at which the next ray of a batch can be sent; kNever if it is not known yet.
+  /// Returns the time at which the next ray of a batch can be sent to the T&I unit; kNever if not known yet.
   sim::Time ray_ready_at(const RayFeed& feed) const;
 
-  // Transfers.
+  // Functions that start and finish transfers and rasteriser jobs.
   void start_transfers(std::uint32_t tile);
   void queue_raster_job(std::uint32_t tile, std::uint32_t node);
   void take_finished_transfer(sim::Time now);
@@ -219,7 +220,7 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// Earliest times at which the next tile or border update, hit, cache line and finished transfer can be taken.
+  /// Arrival times of the next tile or border update, hit, cache line, and finished transfer.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;

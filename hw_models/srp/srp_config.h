@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// Configuration of the shader core's array of functional units (FUs). All of them add, compare, shift and convert; the
+/// Configuration of the shader core's array of functional units (FUs). All FUs add, compare, shift and convert. The
 /// first `mul_units` also multiply, and the first `div_sqrt_units` also divide and take square roots.
 struct ArrayConfig {
   std::uint32_t rows = 4;
@@ -48,8 +48,8 @@ struct ArrayConfig {
   }
 
   std::uint32_t unit_count() const { return rows * columns; }
-  /// Returns the parts of the array that take area. A multiplier handles floats and integers; a multiply-add unit also
-  /// has an adder.
+  /// Returns the parts of the array for the area model. A multiplier handles floats and integers; a multiply-add unit
+  /// also contains an adder.
   std::vector<sim::UnitPart> parts() const {
     return {{"functional_unit", unit_count()},
             {"multiplier", mul_units},
@@ -58,16 +58,18 @@ struct ArrayConfig {
   }
 };
 
-/// Maximum latency of a data-cache load in cycles. Items that wait for lines are bits of a 64-bit word.
+/// Maximum latency of a data-cache load in cycles. The limit is 64 because loop items that wait for lines are bits of a
+/// 64-bit word.
 inline constexpr std::uint32_t kMostLoadCycles = 64;
 
-/// Latencies of kernel operations: cycles from an operation's issue to the use of its result.
+/// Latencies of kernel operations: cycles from an operation's issue to the first use of its result.
 struct OpLatencyConfig {
   std::uint32_t fp_add = 2;
   std::uint32_t fp_mul = 2;
   std::uint32_t fp_compare = 1;
   std::uint32_t div_sqrt = 16;
-  std::uint32_t div_sqrt_interval = 1;  // pipelined, as the unit whose latency, area and energy we use (SimTRaX)
+  std::uint32_t div_sqrt_interval = 1;  // pipelined, as the unit of SimTRaX, whose latency, area and energy are used
+                                        // here
   std::uint32_t integer = 1;
   std::uint32_t int_mul = 2;
   std::uint32_t convert = 1;
@@ -102,12 +104,11 @@ struct OpLatencyConfig {
                                ", make more than " + std::to_string(kMostLoadCycles) + " cycles");
   }
 
-  /// Returns the cycles from the issue of a data-cache load that hits to the use of its data.
+  /// Returns the cycles from the issue of a data-cache load to the first use of its data, if it hits.
   std::uint32_t cached_load_latency() const { return cached_load + load_queue; }
 };
 
-/// Configuration of the shader core's data cache. Its hit time is the sum of latency.cached_load and
-/// latency.load_queue.
+/// Configuration of the shader core's data cache. Its hit latency is latency.cached_load + latency.load_queue.
 struct DataCacheConfig : CacheConfig {
   static void describe(auto& c, auto&& field) { describe_shape(c, field); }
 };
@@ -148,7 +149,7 @@ struct SrpConfig {
           Affects::kTiming);
   }
 
-  /// Returns the bytes of configuration memory that a kernel with initiation interval `ii` occupies.
+  /// Returns the bytes of configuration memory that a kernel with initiation interval `ii` needs.
   std::uint64_t config_bytes(std::uint32_t ii) const {
     return std::uint64_t{ii} * array.unit_count() * config_word.bytes;
   }
@@ -157,7 +158,7 @@ struct SrpConfig {
     return (config_bytes(ii) + config_load.bytes - 1) / config_load.bytes;
   }
 
-  /// Returns the bytes of SRAM that leaks, without the tile buffer.
+  /// Returns the bytes of SRAM in the shader core, which determine its leakage. The tile buffer is not included.
   std::uint64_t sram_bytes() const { return data_cache.size.bytes + kernel_data.bytes + config_memory.bytes; }
 };
 

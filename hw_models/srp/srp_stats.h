@@ -6,13 +6,13 @@
 
 namespace hw {
 
-/// Cost of one kernel on a shader core.
+/// Use of a shader core by one kernel.
 struct KernelUse {
-  std::uint64_t launches = 0;  ///< loops, each with prologue and drain
+  std::uint64_t launches = 0;  ///< number of loops, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t idle = 0;     ///< items that idle through the loop, included in `items`
-  std::uint64_t cycles = 0;   ///< shader core cycles, with switches and stalls
-  std::uint64_t starved = 0;  ///< part of `cycles` in which the T&I unit had no ray of the core
+  std::uint64_t idle = 0;     ///< items without work, included in `items`
+  std::uint64_t cycles = 0;   ///< shader core cycles, including switches and stalls
+  std::uint64_t starved = 0;  ///< those of `cycles` in which the T&I unit had no ray
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;
@@ -82,7 +82,7 @@ struct SrpStats {
     counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
   }
 
-  /// Counts a switch to a kernel of `config_rows` configuration rows. `is_resident`: the rows are in configuration
+  /// Counts a switch to a kernel with `config_rows` rows of configuration. `is_resident`: they are in configuration
   /// memory.
   void add_switch(std::uint32_t config_rows, bool is_resident) {
     switches += 1;
@@ -92,8 +92,8 @@ struct SrpStats {
     config_rows_loaded += is_resident ? 0 : config_rows;
   }
 
-  /// Counts a loop of `item_count` items of a kernel. The first `working_count` items do not idle; the others access no
-  /// cache.
+  /// Counts the events of a loop of `item_count` items of a kernel. Items after the first `working_count` idle, and
+  /// access no cache.
   void add_loop(const KernelSchedule& kernel, std::uint64_t item_count, std::uint64_t working_count) {
     const auto ops = [&](OpClass c) { return item_count * kernel.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
@@ -113,7 +113,7 @@ struct SrpStats {
     route_hops += item_count * kernel.route_hops;
     queued_loads += working_count * kernel.queued_loads;
     config_reads += (kernel.depth + (item_count - 1) * kernel.ii) *
-                    (kernel.config_reads / kernel.ii);  // prologue and drain read configuration words, too
+                    (kernel.config_reads / kernel.ii);  // also during prologue and drain
   }
 };
 

@@ -39,22 +39,22 @@ struct TileBufferConfig {
   }
 };
 
-/// Number of tiles of a frame that a core works on at once.
+/// Number of tiles of a frame on which a core works at the same time.
 struct TilesInFlight {
-  std::uint32_t first = 1;  ///< in the first pass
-  std::uint32_t later = 1;  ///< in each later pass
+  std::uint32_t first = 1;  ///< tiles per core in the first pass
+  std::uint32_t later = 1;  ///< tiles per core in each later pass
   std::uint32_t max_tiles() const { return std::max(first, later); }
 };
 
-/// Returns the bytes of a full tile in the tile buffer: its colours and `attribute_bytes`.
+/// Returns the bytes that a full-size tile takes in the tile buffer: colours plus `attribute_bytes`.
 inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                 std::uint32_t attribute_bytes) {
   return std::uint64_t{needs.tile_samples} * config.colour_bytes + attribute_bytes;
 }
 
-/// Returns how many tiles a core works on at once. In the first pass this is the configured number, at least one,
-/// reduced so that ray slots get their share of the tile buffer. In later passes it is the number of tiles that fit
-/// into the space of the first pass's tiles. An ideal tile buffer is unlimited.
+/// Returns the number of tiles on which a core works at the same time. In the first pass it is the configured number,
+/// reduced (to at least one) so that ray slots get their share of the tile buffer. In later passes, it is the number
+/// that fits into the space of the first pass's tiles. An ideal tile buffer is unlimited.
 inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                      bool ideal) {
   const std::uint64_t tile = tile_bytes(config, needs, needs.attribute_bytes);
@@ -72,12 +72,12 @@ inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const trace
   return tiles;
 }
 
-/// A core's tile buffer: counts the ray slots in use and the 16-byte accesses, which cost energy.
+/// A core's tile buffer: tracks the ray slots in use, and counts 16-byte accesses for the energy.
 ///
-/// 1. A ray needs a free slot, which is also reserved for its hit, so hits never wait.
-/// 2. Bank conflicts of kernels are part of their schedules (bank_conflicts.h).
+/// 1. A ray needs a free slot. The slot is also reserved for the ray's hit, so hits never wait.
+/// 2. Bank conflicts of kernels are computed with their schedules (bank_conflicts.h).
 ///
-/// Not modelled: conflicts with accesses of the T&I unit and the DMA.
+/// Not modelled: bank conflicts with accesses of the T&I unit and the DMA.
 class TileBuffer {
  public:
   static constexpr const char* kName = "core.tile_buffer";
@@ -100,7 +100,8 @@ class TileBuffer {
     }
   };
 
-  /// Reserves the space for colours and attributes of all tiles in flight; the rest becomes ray slots.
+  /// Reserves space for the colours and attributes of all tiles in flight. The rest of the tile buffer becomes ray
+  /// slots.
   TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
@@ -115,7 +116,7 @@ class TileBuffer {
   std::uint64_t slot_count() const { return slots_; }
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
-  /// Takes `count` ray slots, and returns how many of them are not available.
+  /// Allocates up to `count` free ray slots. Returns the number of requested slots that were not free.
   std::uint64_t take_slots(std::uint64_t count) {
     const std::uint64_t spilled = count - std::min(count, free_slots());
     used_ += count;

@@ -12,12 +12,13 @@ using traces::WorkNode;
 
 namespace {
 
-/// True if the items of the node occupy ray slots of the tile buffer. The launch that makes the items takes the slots.
+/// True if the node's items, rays or samples to rasterise, occupy ray slots of the tile buffer. The launch that
+/// produces them allocates the slots.
 bool has_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
-/// Reserves memory for a typical tile, or twice the need, so that later and larger tiles rarely allocate.
+/// Reserves memory for a typical tile, or twice the needed amount if that is more, so that later tiles rarely allocate.
 template <class T>
 void reserve_with_slack(std::vector<T>& vector, std::size_t needed) {
   constexpr std::size_t kUsual = 4096;
@@ -69,7 +70,7 @@ void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk_items
   collect_batches();
 }
 
-/// Lists the batches of every launch, launch by launch, in graph order.
+/// Fills `batches_`: the batches of every launch, launch by launch, in graph order.
 void TileRun::collect_batches() {
   std::uint32_t next = 0;
   for (Progress& p : progress_) {

@@ -10,15 +10,15 @@
 
 namespace hw {
 
-/// Maximum number of rays of a tile: a handle has 24 bits for the ray.
+/// Maximum number of rays of a tile: a ray's handle has 24 bits for its index.
 inline constexpr std::uint32_t kMaxRays = 1U << 24;
 
-/// The progress of a tile in flight: how much of each node of its work graph is done. It does not depend on time, which
-/// the SRP tracks.
+/// Progress of a tile in flight: the finished items of each node of its work graph. Times are not part of it; the
+/// shader core (SRP) tracks them.
 class TileRun {
  public:
-  /// Starts a tile. `chunk_items_limit`: number of items of a launch that run together; a launch's next chunk is ready
-  /// when all inputs of its items are. `missing_borders`: mask of the imported borders that are not in memory yet.
+  /// Starts a tile. `chunk_items_limit`: maximum items per chunk of a launch; a chunk is ready when the inputs of all
+  /// its items are. `missing_borders`: mask of the imported borders that are not in memory yet.
   void start_tile(const traces::TileWork& work, std::uint32_t chunk_items_limit, std::uint32_t missing_borders = 0,
                   TileTag tag = kNoTile);
   void set_missing_borders(std::uint32_t border_mask) { missing_ = border_mask; }
@@ -29,21 +29,21 @@ class TileRun {
   TileTag tile_tag() const { return tile_tag_; }
   const traces::WorkNode& node(std::uint32_t node_id) const { return work_->nodes[node_id]; }
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
-  /// Returns the number of items of a node, including idle ones.
+  /// Returns the number of items of a work graph node, including idle items.
   std::uint32_t total_items(std::uint32_t node_id) const { return node(node_id).items + node(node_id).idle; }
-  /// Returns the number of finished items of a node.
+  /// Returns the number of finished items of a work graph node.
   std::uint32_t done_items(std::uint32_t node_id) const { return progress_[node_id].done; }
-  /// True if nodes that depend on this node may start; idle items of the node may still run.
+  /// True if nodes that depend on the given node may start. Idle items of the given node may still be running.
   bool releases_dependents(std::uint32_t node_id) const { return progress_[node_id].done >= node(node_id).items; }
   bool is_complete(std::uint32_t node_id) const { return progress_[node_id].done == total_items(node_id); }
   bool is_tile_complete() const { return nodes_left_ == 0; }
-  /// True if the node depends on rays, directly or through other nodes.
+  /// True if the work graph node depends on rays or samples to rasterise, directly or through other nodes.
   bool depends_on_rays(std::uint32_t node_id) const { return progress_[node_id].follows_rays; }
-  /// True if unfinished nodes depend on this node.
+  /// True if unfinished nodes depend on the given work graph node.
   bool is_awaited(std::uint32_t node_id) const { return progress_[node_id].readers > 0; }
 
-  /// Returns the launch to run next: among the launches whose next chunk is ready and for which usable(n) is true, the
-  /// last one in graph order, so that consumers run before producers. kNone if there is none.
+  /// Returns the last launch n in graph order whose next chunk is ready and for which usable(n) is true, or kNone. The
+  /// last one, so that consumers run before producers.
   template <class Usable>
   std::uint32_t next_launch(Usable&& usable) const {
     for (std::uint32_t n = node_count(); n-- > 0;) {
@@ -51,7 +51,8 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls start(n) once for each transfer and rasteriser node n whose inputs are done and whose border is in memory.
+  /// Calls start(n) for each transfer or rasteriser node n that has become ready: its inputs are done and its imported
+  /// border, if any, is in memory.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
@@ -67,35 +68,33 @@ class TileRun {
     }
     transfers_.resize(left);
   }
-  /// True if a transfer waits for another tile's border and for nothing else.
+  /// True if a transfer waits only for the border of another tile.
   bool is_awaiting_border() const { return awaits_border_; }
   /// Returns the number of items in the next chunk of a launch, including idle ones.
   std::uint32_t chunk_items(std::uint32_t launch) const;
-  /// Returns the item of the producing launch that makes ray number `ray_index` of a batch.
+  /// Returns the item, in the launch that produces a batch, which produces ray number `ray_index` of the batch.
   std::uint32_t source_item(std::uint32_t batch, std::uint32_t ray_index) const {
     const std::uint32_t map = node(batch).sources;
     return map == traces::WorkNode::kNone ? ray_index : work_->sources[map + ray_index];
   }
-  /// Returns the launch that makes the rays of a batch.
+  /// Returns the launch that produces the rays of a batch.
   std::uint32_t producing_launch(std::uint32_t batch) const { return node(batch).inputs.front().node; }
-  /// Returns the batches that a launch makes: batches of rays and of samples to be rasterised.
+  /// Returns the batches that a launch produces: batches of rays, and of samples to be rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t launch) const {
     return std::span(batches_).subspan(progress_[launch].first_batch, progress_[launch].batches);
   }
-  /// Returns how many of items `first` to `first + items - 1` of a launch do work. Idle items are inactive iterations
-  /// after a launch's last item.
+  /// Returns the number of items among `first` to `first + items - 1` of a launch that are not idle. Idle items follow
+  /// the launch's last real item.
   std::uint32_t working_items(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(launch).items) - std::min(first, node(launch).items);
   }
-  /// Returns the number of rays that the items first to first + items - 1 of a launch make, over all its
-  /// batches.
+  /// Returns the number of rays that items `first` to `first + items - 1` of a launch produce, over all its batches.
   std::uint32_t rays_made(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
-  /// Marks `items` more items of a launch, or a whole transfer, as finished. Returns the number of ray slots that
-  /// become free.
+  /// Marks `items` more items of a launch or transfer as finished. Returns the number of ray slots that become free.
   std::uint32_t finish_items(std::uint32_t node_id, std::uint32_t items);
-  /// Marks a ray of the tile as returned. Returns true if that may have made another node ready.
+  /// Marks a ray of the tile as returned from the T&I unit. Returns true if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -103,11 +102,11 @@ class TileRun {
  private:
   struct Progress {
     std::uint32_t done = 0;
-    std::uint32_t prefix = 0;   ///< batches of rays: number of leading rays that have all returned, in whole chunks
-    std::uint32_t readers = 0;  ///< unfinished launches and transfers that wait for the node or read its ray slots
+    std::uint32_t prefix = 0;   ///< batches of rays: number of leading rays, in whole chunks, that have returned
+    std::uint32_t readers = 0;  ///< number of unfinished nodes that need the node's results or ray slots
     bool follows_rays = false;
-    std::uint32_t first_batch = 0, batches = 0;  ///< launches: range in batches_
-    std::uint32_t first_chunk = 0;               ///< batches of rays: index in chunk_left_
+    std::uint32_t first_batch = 0, batches = 0;  ///< launches: range of their batches in `batches_`
+    std::uint32_t first_chunk = 0;               ///< batches of rays: index of the first chunk in `chunk_left_`
   };
   void collect_batches();
   bool is_ready(std::uint32_t launch) const;
@@ -124,9 +123,9 @@ class TileRun {
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
-  std::vector<std::uint32_t> transfers_;   ///< transfers and rasteriser nodes that have not started
-  std::vector<std::uint32_t> batches_;     ///< batches, grouped by the launch that makes them
-  std::vector<std::uint32_t> chunk_left_;  ///< rays not returned yet, by chunk of each batch
+  std::vector<std::uint32_t> transfers_;   ///< transfer and rasteriser nodes that have not started
+  std::vector<std::uint32_t> batches_;     ///< all batches, grouped by the launch that produces them
+  std::vector<std::uint32_t> chunk_left_;  ///< rays that have not returned, for each chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;
 };
 
