@@ -8,21 +8,21 @@
 
 namespace sim {
 
-/// Category of a cycle reason.
+/// Category of a reason to which a unit charges cycles.
 enum class ReasonKind : std::uint8_t {
-  kWorking,     ///< the unit works, or its pipeline latency elapses
+  kWorking,     ///< the unit works, including latency of its pipeline
   kWaiting,     ///< the unit waits for another unit
   kIdle,        ///< the unit has nothing to do and its clock is gated
-  kBackground,  ///< caused by time alone, such as refresh
+  kBackground,  ///< activity caused only by the passing of time, such as refresh
 };
 
-/// A reason to which a unit charges cycles, as the unit declares it.
+/// Declaration of a reason to which a unit charges cycles.
 struct Reason {
   const char* name;
   ReasonKind kind;
   const char* meaning;
 };
-/// Declare a reason of each kind, for the table kReasons of a unit.
+/// Functions that declare a reason of each kind, for the table kReasons of a unit.
 constexpr Reason working_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
 constexpr Reason waiting_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
 constexpr Reason idle_reason(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
@@ -30,15 +30,14 @@ constexpr Reason background_reason(const char* name, const char* meaning) {
   return {name, ReasonKind::kBackground, meaning};
 }
 
-/// A line of a unit's table of reasons: a CycleReason and its declaration.
+/// An entry of a unit's table of cycle reasons: the CycleReason and its declaration.
 template <class CycleReason>
 struct ReasonLine {
   CycleReason reason;
   Reason declared;
 };
 
-/// Builds a unit's table of cycle reasons. Does not compile unless the table lists every value of the enumeration in
-/// order:
+/// Builds a unit's table of cycle reasons. Compiles only if the table lists every value of the enumeration, in order:
 ///
 ///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle_reason("idle", "nothing inside")},
 ///   ...});
@@ -53,8 +52,7 @@ consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lin
   return all;
 }
 
-/// Accounts for a unit's time: every cycle is charged to exactly one CycleReason. The last value of that enumeration
-/// must be kCount.
+/// Accounting of a unit's time: every cycle is charged to exactly one CycleReason, whose last value must be kCount.
 template <class CycleReason>
 class Activity {
  public:
@@ -64,22 +62,21 @@ class Activity {
   /// `reason_after`.
   void spend(Time now, Time period, CycleReason reason_now, CycleReason reason_after) {
     assert(now >= accounted_);
-    // Always updates: the branch would be unpredictable.
+    // Unconditional, because a test for equal times would be an unpredictable branch.
     spent_[index_of(then_)] += now - accounted_;
     spent_[index_of(reason_now)] += period;
     accounted_ = now + period;
     then_ = reason_after;
   }
 
-  /// Charges the time up to `end`, which must be an edge of the unit's clock. Has no effect if that time is already
-  /// charged.
+  /// Charges the unit's time up to `end`, an edge of its clock. Has no effect if this time is already charged.
   void finish(Time end) {
     if (end <= accounted_) return;
     spent_[index_of(then_)] += end - accounted_;
     accounted_ = end;
   }
 
-  /// Returns the time charged to a reason, as of the last finish().
+  /// Returns the time charged to a reason up to the last finish().
   Time spent(CycleReason reason) const { return spent_[index_of(reason)]; }
   Time accounted_until() const { return accounted_; }
 
@@ -93,9 +90,9 @@ class Activity {
 
 /// How a counter is combined when the results of two time spans are added.
 enum class CounterKind : std::uint8_t {
-  kSum,    ///< the values add
-  kPeak,   ///< the result is the larger value
-  kAtEnd,  ///< the values add, but the counter is computed only at the end of the run
+  kSum,    ///< the values are added
+  kPeak,   ///< the larger value is used
+  kAtEnd,  ///< the values are added; the counter is computed only at the end of a run
 };
 
 }  // namespace sim

@@ -7,11 +7,11 @@
 
 namespace sim {
 
-/// Number of values that match_mask8() compares at a time: two AVX2 vectors where available.
+/// Number of values that match_mask8() compares at once, in two AVX2 vectors where available.
 inline constexpr std::size_t kMatchWidth = 8;
 
-/// Returns a mask of those of eight values that equal `number`.
-#if defined(__AVX2__)  // vector extensions of the compiler: <immintrin.h> is longer than most files including this one
+/// Compares eight values with `number`. Returns a mask of the equal ones.
+#if defined(__AVX2__)  // compiler vector extensions, because including <immintrin.h> would slow down compilation
 inline unsigned match_mask8(const std::uint64_t* eight_numbers, std::uint64_t number) {
   using Four [[gnu::vector_size(32)]] = std::uint64_t;
   using Doubles [[gnu::vector_size(32)]] = double;
@@ -31,8 +31,8 @@ inline unsigned match_mask8(const std::uint64_t* eight_numbers, std::uint64_t nu
 }
 #endif
 
-/// Returns the index of the smallest of `count` numbers; among equals, the first. `count` must not be 0.
-/// Branch-free: the outcome is unpredictable.
+/// Returns the index of the smallest of `count` numbers, the first among equals. `count` must not be 0. Branch-free,
+/// because the result is unpredictable.
 inline std::uint32_t index_of_min(const std::uint32_t* numbers, std::size_t count) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t i = 0; i < count; ++i) least = std::min(least, std::uint64_t{numbers[i]} << 32 | i);

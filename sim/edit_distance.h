@@ -8,8 +8,8 @@
 
 namespace sim {
 
-/// Returns the edit distance of two texts: how many letters must be inserted, deleted or replaced and how many
-/// neighbours swapped to turn one into the other.
+/// Returns the edit distance of two texts: the number of insertions, deletions, replacements and swaps of neighbouring
+/// letters that turn one into the other.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -28,12 +28,11 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Returns the first 64 bytes of a word. Limits the time of comparisons with untrusted words, which grows with their
-/// length.
+/// Returns the first 64 bytes of a word. The limit bounds the time of edit_distance() for untrusted words.
 constexpr std::string_view comparison_prefix(std::string_view word) { return word.substr(0, 64); }
 
-/// Returns the candidate nearest to a word, the first among equals; the end of `candidates` if none is within
-/// `max_edits` edits.
+/// Returns the candidate with the smallest edit distance to a word, the first among equals. Returns the end of
+/// `candidates` if none is within `max_edits` edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
 auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t max_edits, Name name_of = {}) {
   auto found = std::ranges::end(candidates);

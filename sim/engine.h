@@ -15,18 +15,17 @@
 namespace sim {
 
 enum class Skip : std::uint8_t {
-  kOn,   ///< jump to the next wake-up time of any unit
-  kOff,  ///< visit every clock edge of every unit; slow, and the reference for kOn
+  kOn,   ///< the engine jumps to the next wake-up time of any unit
+  kOff,  ///< the engine visits every clock edge of every unit; slow, for checks of kOn
 };
 
-/// Members that the engine requires of the class that owns a simulated machine:
+/// Members that the engine requires of the class (Owner) that owns a simulated machine:
 ///   machine()      its units and links
 ///   done()         true once all work has left the machine
 /// Optional, to run the machine's partitions one after the other:
-///   run_limits(t)  how far the partitions may run once all have reached time t; not past a time at which done() may
-///                  become true
-/// Optional, to detect livelock:
-///   livelock_timeout()     the longest time that may pass without a retired item
+///   run_limits(t)  limits of the partitions once all have reached time t; never after done() may become true Optional,
+///   to detect livelock:
+///   livelock_timeout()     longest time that may pass without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
   owner.run_limits(now);
@@ -37,8 +36,8 @@ concept HasLivelockTimeout = requires(const Owner& owner) {
   owner.livelock_timeout();
 };
 
-/// Periodic checks during a run of a simulated machine: samples all counters at interval boundaries, and detects
-/// livelock, in which units are active but retire nothing.
+/// Does periodic checks during a run of a simulated machine. It samples all counters at interval boundaries, and
+/// detects livelock: units are active but retire nothing.
 template <class Owner>
 class Watchdog {
  public:
@@ -46,12 +45,12 @@ class Watchdog {
     if constexpr (HasLivelockTimeout<Owner>) progress_due_at_ = livelock_timeout_ = owner.livelock_timeout();
     next_check_at_ = std::min(progress_due_at_, owner_.machine().next_boundary());
   }
-  /// Performs the checks that are due before time `now`, the next wake-up time. Call once all units have finished the
+  /// Performs the checks that are due by `now`, the next wake-up time of any unit. All units must have finished the
   /// work before `now`. Throws Deadlock if no item has been retired for livelock_timeout().
   void run_due_checks(Time now) {
     if (now >= next_check_at_ && now != kNever) run_checks(now);
   }
-  /// Returns the next interval boundary, which no partition may pass before the others have reached it.
+  /// Returns the next interval boundary. No partition may pass it before the others have reached it.
   Time next_boundary() const { return owner_.machine().next_boundary(); }
 
  private:
@@ -76,12 +75,12 @@ class Watchdog {
 
   Owner& owner_;
   Time livelock_timeout_ = kNever, progress_due_at_ = kNever;
-  Time next_check_at_ = kNever;  ///< time of the next check
+  Time next_check_at_ = kNever;  ///< time at which the next check is due
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the machine's inner partition on its own as far as it may run, and returns its next wake-up time.
-/// `others_reached`: time that the other partitions have reached.
+/// Runs the inner partition of a machine without the others, as far as it may run. Returns its next wake-up time.
+/// `others_reached`: time that the other partitions have reached. `end`: limit of the run.
 template <class TickAt>
 Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end, TickAt&& tick_at) {
   Time at = wakeups.earliest_time(inner.units);
@@ -89,8 +88,8 @@ Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached
   return at;
 }
 
-/// Runs an outer partition on its own as far as it may run, and returns its next wake-up time. The partition's cluster
-/// runs alone while no other unit of the partition is due. `inner_reached`: time that the inner partition has reached.
+/// Runs an outer partition without the others, as far as it may run. Returns its next wake-up time. The partition's
+/// cluster runs by itself while no other unit is due. `inner_reached`: time that the inner partition has reached.
 template <class TickAt>
 Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reached, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
@@ -106,14 +105,14 @@ Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reac
   }
 }
 
-/// Runs a machine's partitions one after the other, each as far as it may run. Returns the time from which they must
-/// run together, or kNever. No partition passes an interval boundary before all have reached it.
+/// Runs the partitions of a machine one after the other, each as far as it may run. Returns the time from which they
+/// must run together, or kNever if no unit wakes. No partition passes an interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   WakeupTable& wakeups = owner.machine().wakeup_table();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
-  // Alternates the direction: the partition that ran last is still in the host's caches.
+  // The order of the partitions alternates, because the partition that ran last is still in the host's caches.
   for (bool back = false;; back = !back, now = wakeups.earliest_time()) {
     if (now == kNever) return now;
     RunLimits reach = owner.run_limits(now);
@@ -121,9 +120,10 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     watchdog.run_due_checks(now);
     reach.end = std::min(reach.end, watchdog.next_boundary());
     const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
-    // A pop from a full link would wake the inner partition immediately.
+    // Time that the inner partition has reached. If a link is full, a pop would wake the partition at once, so it
+    // counts as being at `now`.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
-    Time reached = reach.end;  // time that all outer partitions have reached
+    Time reached = reach.end;  // time reached by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
       reached = std::min(reached, run_outer(wakeups, partition, led, reach.end, tick_at));
@@ -132,7 +132,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   }
 }
 
-/// The units that one clock drives, as indices into the wake-up table.
+/// The units of one clock, as indices into the wake-up table.
 struct UnitsOfClock {
   Clock clock;
   std::vector<std::size_t> units;
@@ -149,7 +149,8 @@ inline std::vector<UnitsOfClock> group_units_by_clock(const Machine& machine) {
   return groups;
 }
 
-/// Runs a simulated machine until done() is true. Returns the time of the last clock edge that it visited.
+/// Runs a simulated machine until its owner's done() is true. Returns the time of the last clock edge visited. Throws
+/// Deadlock if the machine is stuck.
 template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
   Machine& machine = owner.machine();
@@ -187,8 +188,8 @@ Time run(Owner& owner) {
   }
 }
 
-/// Runs a simulated machine as run() does, but ticks the units of each time in a random order, drawn by hash from
-/// `seed`. For tests: the result must not depend on the order.
+/// Runs a simulated machine like run(), but ticks the units that are due at the same time in a pseudo-random order
+/// given by `seed`. For tests that results do not depend on the order.
 template <class Owner>
 Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();

@@ -4,8 +4,8 @@
 
 namespace sim {
 
-/// Exception: the user's input cannot be used. The text names the place (file, line, column, key), the fault and what
-/// is allowed. The program exits with code 2.
+/// Exception: the user's input cannot be used. The text contains the place (file, line, column, key), the problem and
+/// what is allowed. The program exits with code 2.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -21,10 +21,10 @@ struct IoError : std::runtime_error {
 struct Deadlock : std::runtime_error {
   Deadlock(const std::string& what, std::string machine_state)
       : std::runtime_error(what), state(std::move(machine_state)) {}
-  std::string state;  ///< state of each unit, one line per unit
+  std::string state;  ///< state of the units, one line each
 };
 
-/// Returns whether to stop a long computation. The computation polls it, and throws Cancelled once it returns true.
+/// Callback that a long computation polls. If it returns true, the computation throws Cancelled.
 using Stop = bool (*)();
 
 struct Cancelled {};

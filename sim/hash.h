@@ -3,15 +3,14 @@
 
 namespace sim {
 
-/// Mixes the bits of a number: a bijective 64-bit finaliser with the variant 13 constants of D. Stafford, as in
-/// SplitMix64.
+/// Hashes a number bijectively: the 64-bit finaliser of SplitMix64, with the variant 13 constants of D. Stafford.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return x ^ (x >> 31);
 }
 
-/// Returns a random number that depends on the keys alone, such as hash(frame, pixel, sample, bounce, dimension).
+/// Returns a pseudo-random number that depends only on the keys, such as hash(frame, pixel, sample, bounce, dimension).
 template <class... Keys>
 constexpr std::uint64_t hash(Keys... keys) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;

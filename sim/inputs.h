@@ -11,8 +11,7 @@
 
 namespace sim {
 
-/// The links that lead into one unit, at most 64, with a mask of the links that hold items. A unit with many links
-/// examines only those.
+/// The input links of one unit, at most 64, with a mask of the links that contain items, so that others are skipped.
 template <class T>
 class Inputs {
  public:
@@ -29,13 +28,12 @@ class Inputs {
   std::size_t size() const { return links_.size(); }
   Link<T>& operator[](std::size_t i) const { return *links_[i]; }
 
-  /// Returns a mask of the links that hold items, including items that cannot be popped yet.
+  /// Returns a mask of the input links that contain items, including items that cannot be popped yet.
   std::uint64_t nonempty_mask() const { return nonempty_mask_; }
-  /// Returns the earliest time at which an item can be popped from link `link_index`. Reads a local copy of
-  /// Link::pop_at().
+  /// Returns the earliest time at which an item can be popped from an input link: a local copy of Link::pop_at().
   Time pop_at(std::size_t link_index) const { return pop_at_[link_index]; }
   bool can_pop(std::size_t link_index, Time now) const { return pop_at_[link_index] <= now; }
-  /// Returns the earliest time at which an item can be popped from any of the links.
+  /// Returns the earliest time at which an item can be popped from any input link.
   Time pop_at() const {
     Time first = kNever;
     for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {
@@ -43,7 +41,7 @@ class Inputs {
     }
     return first;
   }
-  /// Calls f(link) for each link that holds items.
+  /// Calls f(link) for each input link that contains items.
   template <class F>
   void for_each_nonempty(F&& f) const {
     for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {

@@ -16,7 +16,7 @@ void Intervals::allocate_rows(std::size_t values_per_row) {
 }
 
 std::uint64_t* Intervals::add_next_row() {
-  // One row stays free for the end of the run.
+  // One row is reserved for the end of the run.
   if (rows_ + 1 == most_) merge_pairs();
   return add_row();
 }
@@ -29,7 +29,8 @@ std::uint64_t* Intervals::add_last_row(Time end) {
 
 std::uint64_t* Intervals::add_row() { return values_.get() + width_ * rows_++; }
 
-/// Keeps rows 1, 3, 5, ... The number of rows was odd, so the next boundary is also a boundary of the longer intervals.
+/// Merges intervals in pairs: keeps rows 1, 3, 5, ... The number of rows was odd, so the next boundary is also a
+/// boundary of the longer intervals.
 void Intervals::merge_pairs() {
   rows_ /= 2;
   for (std::size_t interval = 0; interval < rows_; ++interval)

@@ -13,31 +13,31 @@ namespace sim {
 ///   0 ------|------|------|------|---> end
 ///         row 0  row 1  row 2   ...   last row       full: every second row is dropped, intervals are twice as long
 ///
-/// 1. A row holds each unit's cycles by reason, then its counters, in the order of Machine::report(), all since the
-/// start of the run.
-/// 2. An interval is the difference of two rows, so dropping the row between two intervals merges them.
-/// 3. An event at a boundary belongs to the later interval; so does a cycle that begins there.
+/// 1. A row contains each unit's cycles by reason, then its counters, in the order of Machine::report(). All values
+/// count from the start of the run.
+/// 2. The values of an interval are the difference of two rows. So dropping the row between two intervals merges them.
+/// 3. An event at an interval boundary, or a cycle that begins there, belongs to the later interval.
 class Intervals {
  public:
   static constexpr Time kFirstLength = 1'000 * kFemtosecondsPerNanosecond;
   static constexpr std::size_t kMost = 2048;
-  static constexpr std::size_t kMostValues = 8 << 20;  ///< limit over all rows
+  static constexpr std::size_t kMostValues = 8 << 20;  ///< maximum number of values in all rows together
 
-  /// `length`: length of the first intervals. `max_intervals`: maximum number of intervals, an even number; it is
+  /// `length`: initial length of intervals. `max_intervals`: maximum number of intervals, which must be even; it is
   /// reduced if rows have many values.
   explicit Intervals(Time length = kFirstLength, std::size_t max_intervals = kMost);
 
-  // Called by the recorded machine.
+  // Functions for the recorded machine.
   void allocate_rows(std::size_t values_per_row);
   Time next_boundary() const { return (rows_ + 1) * length_; }
-  /// Adds a row for the next interval boundary, which the caller fills.
+  /// Adds a row for the next interval boundary. The caller fills it with values.
   std::uint64_t* add_next_row();
-  /// Adds a row for the end of the run, which the caller fills.
+  /// Adds a row for the end of the run. The caller fills it with values.
   std::uint64_t* add_last_row(Time end);
 
   Time interval_length() const { return length_; }
   Time end() const { return end_; }
-  /// Returns the number of intervals. The last one may be shorter than the others.
+  /// Returns the number of intervals. The last interval may be shorter than the others.
   std::size_t size() const { return rows_; }
   std::size_t row_width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t interval) const { return {values_.get() + interval * width_, width_}; }

@@ -15,18 +15,18 @@ namespace sim {
 ///
 ///   producer --push--> [ `capacity` slots, visible `latency` later ] --pop--> consumer
 ///
-/// 1. A slot has one timestamp: the earliest time at which its other end may access it.
+/// 1. A slot has one timestamp: the earliest time at which the other end may access the slot.
 /// 2. An action at time t is not visible at time t, so units may tick in any order.
-/// 3. Units hold references to links, so links do not move.
+/// 3. Links must not move in memory, because units hold references to them.
 template <class T>
 class Link {
  public:
-  /// A link within one clock domain: an item pushed at time t can be popped `latency_cycles` (at least 1) cycles later.
+  /// Creates a link within one clock domain. A pushed item can be popped `latency_cycles` (at least 1) cycles later.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock clock)
       : Link(capacity, latency_cycles, clock, clock, 0) {}
 
-  /// A link between two clock domains. The latency is `latency_cycles` producer cycles plus `synchroniser_cycles`
-  /// consumer cycles, rounded up to the consumer's next edge.
+  /// Creates a link between two clock domains. Its latency is `latency_cycles` cycles of the producer plus
+  /// `synchroniser_cycles` cycles of the consumer, rounded up to the consumer's next clock edge.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock producer, Clock consumer,
        std::uint64_t synchroniser_cycles)
       : slots_(capacity),
@@ -41,20 +41,20 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Sets the wake-up times of both ends. The link lowers them for events that an end cannot predict: the first item in
-  /// an empty link, the first free slot of a full one. pop_at() and push_at() give the times of all other events.
+  /// Sets the handles through which the link wakes its two units. It does so for events that they cannot predict: the
+  /// first item in an empty link, the first free slot in a full link. pop_at() and push_at() give all other times.
   void set_wakeup_handles(WakeupHandle producer, WakeupHandle consumer) {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
-  /// Keeps `bit` of `*set` equal to 1 while the link holds items, and to 0 while it is empty (sim/inputs.h).
+  /// Makes the link keep bit number `bit` of `*mask` set while the link contains items (sim/inputs.h).
   void bind_occupancy_bit(std::uint64_t* mask, unsigned bit) {
     occupancy_mask_ = mask;
     bit_ = std::uint64_t{1} << bit;
     if (size_ != 0) *occupancy_mask_ |= bit_;
   }
 
-  /// Keeps a copy of pop_at() in `*pop_at`. Also lowers `*soonest` to it when the first item enters an empty link.
+  /// Makes the link keep pop_at() in `*pop_at`. If an item enters the empty link, it also lowers `*soonest` to it.
   void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
@@ -63,19 +63,19 @@ class Link {
     soonest_ = soonest;
   }
 
-  /// Counts this link in `*count` while it has at most `free_slots` free slots (sim/partitions.h).
+  /// Makes the link increment `*count` while it has at most `free_slots` free slots (sim/partitions.h).
   void count_if_nearly_full(std::uint32_t* count, std::size_t free_slots) {
     assert(size_ == 0);
     nearly_full_ = count;
     nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(free_slots), capacity_);
     *nearly_full_ += nearly_full_from_ == 0;
   }
-  /// Returns the time from a push until the item is visible, without the wait for the consumer's edge.
+  /// Returns the time from a push until the item is visible, without rounding to the consumer's clock edge.
   Time latency() const { return latency_; }
 
-  /// Returns the earliest time of the next push as far as known now; kNever while the link is full.
+  /// Returns the earliest known time at which an item can be pushed; kNever while the link is full.
   Time push_at() const { return push_at_; }
-  /// Returns the earliest time of the next pop as far as known now; kNever while the link is empty.
+  /// Returns the earliest known time at which an item can be popped; kNever while the link is empty.
   Time pop_at() const { return *pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }
@@ -121,7 +121,7 @@ class Link {
     return std::move(slot.item);
   }
 
-  /// True if the link holds no item, visible or not. For tests and state dumps.
+  /// True if the link contains no item, visible or not. For tests and state dumps only.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
@@ -131,10 +131,10 @@ class Link {
     Time stamp = 0;
     T item{};
   };
-  /// Returns the next index in the link's ring of slots. Branch-free: the wrap of a short ring is unpredictable.
+  /// Returns the next index in the ring of slots. Branch-free, because the wrap of a short ring is unpredictable.
   std::uint32_t next_index(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
 
-  // Timestamps of both ends, kept apart from the slots: units read them far more often than they push or pop.
+  // Copies of the timestamps of the next pop and push, because units read them far more often than they pop or push.
   Time own_pop_at_ = kNever;
   Time* pop_at_ = &own_pop_at_;
   Time* soonest_ = &unused_time_;
@@ -142,22 +142,23 @@ class Link {
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;
   std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
-  std::uint32_t nearly_full_from_ = 0;  ///< number of items from which the link is nearly full
+  std::uint32_t nearly_full_from_ = 0;  ///< the link counts as nearly full from this number of items on
   const bool crossing_;
   const Time latency_,
-      release_;  ///< from a push to the consumer and from a pop to the producer, without the wait for the next edge
+      /// Latency from a push to the consumer, and from a pop to the producer, without rounding to the next clock edge.
+      release_;
   WakeupHandle producer_{&unused_time_}, consumer_{&unused_time_};
   std::uint64_t* occupancy_mask_ = &unused_mask_;
   std::uint32_t* nearly_full_ = &unused_count_;
   std::uint64_t bit_ = 0;
-  Time unused_time_ = kNever;  ///< target of writes while no engine is attached
+  Time unused_time_ = kNever;  ///< target of writes while no wake-up handle is set
   std::uint64_t unused_mask_ = 0;
   std::uint32_t unused_count_ = 0;
   const Clock producer_clock_, consumer_clock_;
 };
 
-/// Returns the next time after `now` at which a unit may transfer an item, given the times at which the item is
-/// available and the output has room.
+/// Returns the next time after `now` at which a unit may move an item. `item_at`: time at which the item is available.
+/// `output_free_at`: time at which the output has room.
 constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time output_free_at) {
   return item_at > now ? item_at : std::max(now + period, output_free_at);
 }

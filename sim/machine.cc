@@ -103,8 +103,8 @@ void Machine::start() {
   connect_links();
 }
 
-/// Assigns each unit an index in the wake-up table. Each partition has whole groups of its own, and so has its cluster;
-/// the inner partition has the last groups.
+/// Assigns each unit an index in the wake-up table. Each partition and each cluster gets groups of its own. The inner
+/// partition gets the last groups.
 void Machine::assign_wakeup_slots() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
@@ -137,7 +137,7 @@ void Machine::assign_wakeup_slots() {
   }
 }
 
-/// Gives the units neighbouring wake-up times from index `slot` on, and advances `slot` to the next whole group.
+/// Assigns consecutive entries of the wake-up table, from index `slot` on. Advances `slot` to the next group.
 WakeupTable::Groups Machine::assign_group_slots(std::span<const std::size_t> units, std::size_t& slot) {
   const std::size_t first = slot / WakeupTable::kGroup;
   for (const std::size_t unit : units) slots_[unit] = slot++;

@@ -18,49 +18,50 @@
 
 namespace sim {
 
-/// Identifies a declared unit, for its links.
+/// Identifies a declared unit when links are declared.
 struct UnitId {
   std::size_t index;
   Clock clock;
 };
 
-/// How a link between two partitions limits the time that each may run on its own.
+/// How a link between two partitions of a machine limits the time for which each may run without the other.
 enum class Lookahead : std::uint8_t {
-  kByLatency,  ///< its items may arrive at any time after the latency
-  kByOwner,    ///< the machine's owner computes the arrival times and includes them in run_limits()
+  kByLatency,  ///< items may be pushed at any time, so the limit is the link's latency
+  kByOwner,    ///< the machine's owner computes when items arrive, in run_limits()
 };
 
-/// A simulated machine: units and the links between them, each declared once. The machine derives wake-up times, order
-/// of visits, partitions, synchronisers between clock domains, state, reports and the end of a run.
+/// A simulated machine: units and the links between them, each declared once. From them the machine derives wake-up
+/// times, tick order, partitions, synchronisers between clock domains, reports and the end of a run.
 ///
 ///   unit(), unit(), ... --> link<T>(), ... --> build<U>(), ... --> sim::run
 ///
 /// 1. Declare the units, then the links between them, then build the units with their links.
-/// 2. Reports and states are in the order of building.
-/// 3. Units declared one after the other have neighbouring wake-up times. Declare units that are seldom awake last.
-/// 4. A violation (a unit built twice or not at all, an undeclared unit, any change after the start) throws
-/// std::logic_error.
+/// 2. Reports and states list units in the order of building.
+/// 3. Units declared in sequence have neighbouring entries in the wake-up table. Declare units that are rarely awake
+/// last.
+/// 4. Throws std::logic_error for a unit that is undeclared, built twice or not built, and for any change after the
+/// start.
 class Machine {
  public:
   struct Declaration {
     std::string name;  ///< "core0.tni.trv2"
     Clock clock;
-    std::size_t partition = 0;      ///< 0: inner; from 1: outer (sim/partitions.h)
-    std::uint64_t sram_bytes = 0;   ///< storage that leaks
-    std::uint64_t cache_bytes = 0;  ///< the part of it whose accesses are counted; 0: all
-    std::vector<UnitPart> parts{};  ///< parts that its area depends on
-    std::uint32_t data_lines = 0;   ///< data lines at the die's edge
+    std::size_t partition = 0;      ///< 0: the inner partition; others: outer (sim/partitions.h)
+    std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
+    std::uint64_t cache_bytes = 0;  ///< part of this memory whose accesses are counted; 0: all
+    std::vector<UnitPart> parts{};  ///< parts whose number determines the unit's area
+    std::uint32_t data_lines = 0;   ///< number of data pins of the unit at the die's edge
   };
 
-  /// `synchroniser_cycles`: delay of a link between two clock domains, in cycles of the consumer.
+  /// `synchroniser_cycles`: additional latency of links between two clock domains, in cycles of the consumer.
   explicit Machine(std::uint64_t synchroniser_cycles = 0) : synchroniser_cycles_(synchroniser_cycles) {}
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
   UnitId unit(Declaration declaration);
 
-  /// Declares a link with a latency in cycles of `from`. If it leads to another partition and is not kByOwner, `from`
-  /// pushes at most `at_once` items per tick.
+  /// Declares a link from unit `from` to unit `to`, with a latency in cycles of `from`. `at_once`: maximum items that
+  /// `from` pushes per tick; needed for links to another partition that are not kByOwner.
   template <class T>
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
@@ -76,9 +77,9 @@ class Machine {
     return link;
   }
 
-  /// Builds a declared unit of class U from `args`. U must have tick(now) and clock(); finish(end), state(), idle(),
-  /// retired_items() and the members that sim::report_of uses are optional. finish(end) updates time and counters to an
-  /// edge of its clock; the unit may continue after it.
+  /// Builds a declared unit of class U from `args`. U must have tick(now) and clock(). Optional members are
+  /// finish(end), state(), idle(), retired_items() and those used by sim::report_of. finish(end) updates cycles and
+  /// counters to a clock edge, after which the unit may continue.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     require_unbuilt(id);
@@ -99,66 +100,65 @@ class Machine {
     units_.push_back(std::move(built));
     return unit;
   }
-  /// Lets `owner` run these units, which share an outer partition and a clock, through owner.run(turn, now): from
-  /// `now`, their first wake-up time, to the end of the turn. It must update their wake-up times and group minima in
-  /// the turn. A partition has at most one cluster.
+  /// Makes these units a cluster that owner.run(turn, now) runs, from their first wake-up time `now` to the end of the
+  /// turn. owner.run() must update the wake-up times and group minima in `turn`. The units must share an outer
+  /// partition and a clock. A partition has at most one cluster.
   template <class Owner>
   void set_cluster(std::vector<UnitId> units, Owner& owner) {
     require_cluster_rules(units);
     clusters_.push_back({std::move(units), &owner,
                          [](void* of, const ClusterTurn& turn, Time now) { static_cast<Owner*>(of)->run(turn, now); }});
   }
-  /// Reports `part`, a part of the unit built last, as a unit of its own.
+  /// Adds a separate report for `part`, a part of the unit that was built last.
   template <class Part>
   void report_subunit(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
     values_.push_back(values_by(part));
   }
-  /// Samples the values of all reports into `intervals`, at every interval boundary and at the end. Call before the
-  /// start; `intervals` must outlive the machine.
+  /// Makes the machine sample the values of all reports into `intervals`, at every interval boundary and at the end.
+  /// Call before the start. `intervals` must outlive the machine.
   void record_intervals(Intervals& intervals);
 
-  /// True if all links are empty, and all units that have idle() are idle.
+  /// True if all links of the machine are empty and all units that have idle() are idle.
   bool is_drained() const;
-  /// Charges every unit's time up to the end of the run, rounded up to the unit's clock. Call once, after the run.
+  /// Updates cycles and counters of every unit to the end of the run, rounded up to its clock. Call once, at the end.
   void finish(Time end);
-  /// Updates time and counters of every unit to time `end`, rounded up to the unit's clock. The run may continue after
-  /// it.
+  /// Updates cycles and counters of every unit to time `end`, rounded up to the unit's clock, during a run.
   void account_until(Time end);
   /// Returns the state of the units as text, one line for each unit that reports a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
-  /// Returns the number of items that units have retired, of all kinds. It grows as long as the machine makes progress.
+  /// Returns the number of retired items, summed over all units. It grows as long as the machine makes progress.
   std::uint64_t retired_items() const;
 
-  // Interface for the engine.
-  /// Prepares the machine for a run: assigns wake-up times and wakes all units at time 0. Has no effect if the machine
-  /// has started.
+  // The functions below are for the engine (sim/engine.h).
+  /// Prepares the machine for a run: builds the wake-up table and wakes all units at time 0. Only the first call
+  /// counts.
   void start();
   WakeupTable& wakeup_table() { return wakeups_; }
   Partitions& partitions() { return partitions_; }
-  /// Returns the shortest latency of the links between partitions, without those of kind kByOwner.
+  /// Returns the shortest latency of any link between partitions that is not kByOwner.
   Time min_lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
-  /// Returns the next interval boundary, which all units must reach together; kNever if no intervals are recorded.
+  /// Returns the next interval boundary, where all units must be sampled; kNever if no intervals are recorded.
   Time next_boundary() const { return next_boundary_; }
-  /// Samples the counters at all interval boundaries up to `now`. All units must have finished the work before the next
-  /// boundary, and no later work.
+  /// Samples the counters at all interval boundaries up to `now`. All units must have finished exactly the work before
+  /// it.
   void sample_intervals_until(Time now);
-  /// A unit and its tick function, called without virtual dispatch.
+  /// A unit and a pointer to its tick function, which avoids virtual calls.
   struct TickFunction {
     void* unit = nullptr;
     Time (*tick)(void*, Time) = nullptr;
     Time operator()(Time now) const { return tick(unit, now); }
   };
   const std::vector<TickFunction>& tick_functions() const { return tick_functions_; }
-  /// Calls f(index of the wake-up time, clock) for every unit.
+  /// Calls f(i, clock) for every unit; i is its index in the wake-up table.
   void for_each_clock(auto&& f) const {
     for (const auto& unit : units_) f(slots_[unit->declared], declared_[unit->declared].clock);
   }
 
  private:
-  /// A reported unit and the function that writes its values, called without virtual dispatch.
+  /// A reported unit and a pointer to the function that writes its values, which avoids virtual calls.
   struct Values {
     const void* unit;
     std::uint64_t* (*write)(const void*, std::uint64_t*);
@@ -232,7 +232,7 @@ class Machine {
   void assign_wakeup_slots();
   WakeupTable::Groups assign_group_slots(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
-  /// Writes the counters of all units to `row`, a row of the interval record.
+  /// Writes the values of all reports to `row`, a row of the interval record.
   void write_counter_values(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;
@@ -241,11 +241,11 @@ class Machine {
   std::vector<std::unique_ptr<AnyUnit>> units_;
   std::vector<ClusteredUnits> clusters_;
   std::vector<std::function<UnitReport()>> reports_;
-  std::vector<Values> values_;  ///< one per report
+  std::vector<Values> values_;  ///< one entry per report
   Intervals* intervals_ = nullptr;
   Time next_boundary_ = kNever;
-  std::vector<std::size_t> slots_;            ///< index of the wake-up time of each declared unit
-  std::vector<TickFunction> tick_functions_;  ///< by index of the wake-up time
+  std::vector<std::size_t> slots_;            ///< index of each declared unit in the wake-up table
+  std::vector<TickFunction> tick_functions_;  ///< by index in the wake-up table
   WakeupTable wakeups_;
   Partitions partitions_;
   Time lookahead_ = kNever;

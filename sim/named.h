@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// Returns the member's name in an expression: "size" for "config.l1.size".
+/// Returns the name of the member that an expression ends with: "size" for "config.l1.size".
 consteval const char* member_name(const char* expression) {
   const char* name = expression;
   for (const char* c = expression; *c != '\0'; ++c) {
@@ -13,5 +13,5 @@ consteval const char* member_name(const char* expression) {
 
 }  // namespace sim
 
-/// Expands to a member and its name as two arguments: field(NAMED(c.rays), "rays", ...).
+/// Expands to two arguments, a member and its name, as in field(NAMED(c.rays), "rays", ...).
 #define NAMED(member) member, ::sim::member_name(#member)

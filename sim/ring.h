@@ -7,7 +7,7 @@
 
 namespace sim {
 
-/// A FIFO queue that allocates memory only when it becomes longer than ever before.
+/// A FIFO queue as a ring buffer, which allocates memory only when its length exceeds all earlier lengths.
 template <class T>
 class Ring {
  public:
@@ -27,7 +27,7 @@ class Ring {
   }
 
  private:
-  /// Wraps an index around the end of the ring; the number of slots is a power of two.
+  /// Wraps an index around the end of the ring buffer, whose size is a power of two.
   std::size_t wrap_index(std::size_t i) const { return i & (slots_.size() - 1); }
   void grow() {
     std::vector<T> longer(std::max<std::size_t>(64, 2 * slots_.size()));

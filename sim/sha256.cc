@@ -34,7 +34,7 @@ void Sha256::add(std::string_view bytes) {
 }
 
 std::string Sha256::hex_digest() const {
-  const State copy;  // finalising a context makes it unusable
+  const State copy;  // finalise a copy, because more bytes may be added to this context
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   [[maybe_unused]] const bool ok = EVP_MD_CTX_copy_ex(copy.context, state_->context) == 1 &&

@@ -22,7 +22,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the SHA-256 digest of one text as hexadecimal digits.
+/// Returns the SHA-256 digest of a text as 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
 
 }  // namespace sim

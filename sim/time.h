@@ -9,7 +9,7 @@ namespace sim {
 /// A point in simulated time or a duration, in integer femtoseconds: exact for every clock.
 using Time = std::uint64_t;
 
-/// A time later than any other; also the largest value as a signed number.
+/// The latest time, which stands for "never": the largest value that is also a signed 64-bit number.
 inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr Time kFemtosecondsPerNanosecond = 1'000'000;
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;
@@ -27,7 +27,7 @@ class Clock {
   constexpr Time period() const { return period_; }
   constexpr Time edge_at_or_after(Time t) const { return cycles(t + period_ - 1) * period_; }
   constexpr bool is_edge(Time t) const { return cycles(t) * period_ == t; }
-  /// Returns the edge `cycles` cycles after `now`, which must be an edge.
+  /// Returns the time of the clock edge that is `cycles` cycles after `now`, which must be an edge.
   constexpr Time edge_after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
   /// Returns the number of whole cycles in time `t`, which must be below 2^kTimeBits femtoseconds (over an hour).
   constexpr std::uint64_t cycles(Time t) const {
@@ -38,8 +38,8 @@ class Clock {
   friend constexpr bool operator==(const Clock& a, const Clock& b) { return a.period_ == b.period_; }
 
  private:
-  // Division by multiplication with 2^(kTimeBits + shift) / period, rounded up: exact for operands of kTimeBits bits
-  // (Granlund and Montgomery 1994, theorem 4.2).
+  // Divides by multiplying with 2^(kTimeBits + shift) / period, rounded up. This is exact for operands of kTimeBits
+  // bits (Granlund and Montgomery 1994, theorem 4.2).
   __extension__ using Wide = unsigned __int128;
   static constexpr unsigned kTimeBits = 62;
 

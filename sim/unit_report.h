@@ -15,7 +15,7 @@
 namespace sim {
 
 /// One counter of a unit, declared in its Stats::describe: counter(NAMED(s.hits), "line found", "cache.l1_read").
-/// `event` names the energy event of each count; empty: none.
+/// `event`: name of the energy event that each count represents; empty: none.
 struct CounterReport {
   std::string name;
   std::string meaning;
@@ -24,39 +24,41 @@ struct CounterReport {
   CounterKind kind = CounterKind::kSum;
 };
 
-/// Block of units that are not on the chip: they have counters, but neither energy nor area.
+/// Name of the block for units that are not on the chip. They have counters, but neither energy nor area.
 inline constexpr std::string_view kOutsideBlock = "outside";
 
-/// A part that a unit's logic contains several times, such as a box tester. A configuration key sets their number.
+/// A part that a unit's logic contains several times, such as a box tester. A configuration key sets the number.
 struct UnitPart {
   std::string name;  ///< "box_tester"
   std::uint32_t count = 0;
 };
 
-/// Results of one unit as plain data, so that reports, energy and comparisons need no types of units.
+/// Results of one unit as plain data, so that reports, energy and comparisons do not depend on classes of units.
 struct UnitReport {
   std::string path;                                                     ///< "core0.tni.trv2"
-  std::string block;                                                    ///< block of the GPU, for sums of energy
+  std::string block;                                                    ///< block of the GPU for which energy and area
+                                                                        ///< are summed
   std::uint64_t elapsed = 0;                                            ///< cycles of the unit's own clock
-  std::vector<std::pair<std::string, std::uint64_t>> cycles_by_reason;  ///< cycles by reason; they sum to `elapsed`
-  std::span<const Reason> reasons;  ///< the declared reasons, one for each entry of `cycles_by_reason`
+  std::vector<std::pair<std::string, std::uint64_t>> cycles_by_reason;  ///< cycles charged to each reason; the sum is
+                                                                        ///< `elapsed`
+  std::span<const Reason> reasons;  ///< declaration of each reason in `cycles_by_reason`
   std::vector<CounterReport> counters;
-  std::uint64_t sram_bytes = 0;   ///< storage that leaks
-  std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted; selects size-dependent energies
+  std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
+  std::uint64_t cache_bytes = 0;  ///< size of the memory array whose accesses are counted, for size-dependent energies
   std::uint32_t clock_mhz = 0;
   std::type_index type = typeid(void);  ///< C++ type of the unit
-  std::vector<UnitPart> parts;          ///< parts that its area depends on
-  std::uint32_t data_lines = 0;         ///< data lines at the die's edge
+  std::vector<UnitPart> parts;          ///< parts whose number determines the unit's area
+  std::uint32_t data_lines = 0;         ///< number of data pins of the unit at the die's edge
 };
 
-/// Adds to `sum` the results of the same units over another time span.
+/// Adds results of the same units over another time span, `more`, to `sum`.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Subtracts from `later` the results of the same units up to an earlier time. Peaks remain those of the whole time.
+/// Subtracts the results of the same units up to an earlier time from `later`. Peaks stay those of the whole time.
 void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
-/// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. If `cache_bytes` is 0,
-/// `sram_bytes` takes its place.
+/// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. `cache_bytes` 0:
+/// `sram_bytes`.
 template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_bytes = 0, std::uint64_t cache_bytes = 0) {
   UnitReport r;
@@ -82,8 +84,8 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
   return r;
 }
 
-/// Writes the values of a unit's report to `out` without allocating memory: cycles by reason, then counters. Returns
-/// the end of the written values.
+/// Writes the values of a unit's report to `out`: cycles by reason, then counters. Allocates no memory. Returns the end
+/// of the values.
 template <class Unit>
 std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   const Clock clock = unit.clock();
@@ -95,8 +97,8 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   return out;
 }
 
-/// Calls set(value, number, kind) for each value of the units, in the order of write_values(), then updates `elapsed`
-/// of each unit to the sum of its cycles by reason.
+/// Calls set(value, i, kind) for the ith value of the units' reports, in the order of write_values(), so that it can be
+/// replaced. Then sets `elapsed` of each unit to the sum of its cycles by reason.
 void each_value(std::span<UnitReport> units, auto&& set) {
   std::size_t number = 0;
   for (UnitReport& unit : units) {

@@ -12,10 +12,10 @@
 
 namespace sim {
 
-/// Handle through which a link lowers a unit's wake-up time and the minimum of the unit's group.
+/// Handle through which a link lowers a unit's wake-up time, and the minimum of the unit's group in the WakeupTable.
 struct WakeupHandle {
   WakeupHandle() = default;
-  WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< without a group; detached if nullptr
+  WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< handle of a unit without a group; detached if null
   WakeupHandle(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
 
   void lower_to(Time time) const {
@@ -27,12 +27,12 @@ struct WakeupHandle {
   Time* group = nullptr;
 };
 
-/// The engine's table of wake-up times: one for each unit, and the minimum of each group of eight neighbours. The eight
-/// times of a group are compared at once (sim/branch_free.h).
+/// The engine's table of wake-up times: one for each unit, and the minimum of each group of eight consecutive units.
+/// The eight times of a group are compared at once (sim/branch_free.h).
 class WakeupTable {
  public:
   static constexpr std::size_t kGroup = kMatchWidth;
-  /// Returns a number of units rounded up to whole groups.
+  /// Rounds a number of units up to whole groups.
   static constexpr std::size_t round_up_to_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
   WakeupTable() = default;
@@ -41,7 +41,7 @@ class WakeupTable {
   WakeupTable(const WakeupTable&) = delete;
   WakeupTable& operator=(const WakeupTable&) = delete;
 
-  /// Resizes the table to `units` units, which all wake at time `first`.
+  /// Resizes the table to `units` units. All of them wake at time `first`.
   void reset(std::size_t units, Time first = 0) {
     groups_.assign(round_up_to_groups(units) / kGroup, Eight{});
     for (Eight& group : groups_) group.fill(kNever);
@@ -54,39 +54,39 @@ class WakeupTable {
   WakeupHandle handle_of(std::size_t unit) { return {&time_of(unit), &group_minima_[unit / kGroup]}; }
   void lower_to(std::size_t unit, Time time) { handle_of(unit).lower_to(time); }
 
-  /// A range of groups of wake-up times: groups `first` to `end` - 1.
+  /// A range of groups of the wake-up table: groups `first` to `end` - 1.
   struct Groups {
     std::size_t first = 0, end = 0;
   };
 
-  /// Returns the earliest wake-up time of all units.
+  /// Returns the earliest wake-up time of any unit.
   Time earliest_time() const {
     Time first = kNever;
     for (std::size_t i = 0; i < group_minima_.size(); i += kGroup)
       first = std::min(first, min_of_eight(&group_minima_[i]));
     return first;
   }
-  /// Returns the earliest wake-up time of the units in a range of groups.
+  /// Returns the earliest wake-up time of any unit in a range of groups.
   Time earliest_time(Groups groups) const {
     Time first = kNever;
     for (std::size_t g = groups.first; g < groups.end; ++g) first = std::min(first, load_time(group_minima_[g]));
     return first;
   }
 
-  /// Returns the wake-up times of the units in a range of groups, or the minima of these groups.
+  /// Returns the wake-up times of the units in a range of groups; null if the range is empty.
   Time* unit_times(Groups groups) { return groups.first == groups.end ? nullptr : groups_[groups.first].data(); }
   std::span<Time> group_minima(Groups groups) {
     return {group_minima_.data() + groups.first, groups.end - groups.first};
   }
 
-  /// Calls tick(unit) for all units that are due at `now`, the earliest wake-up time of all. tick() returns the unit's
-  /// next wake-up time. Ticks may lower any unit's wake-up time to one after `now`.
+  /// Calls tick(unit) for all units that are due at `now`, the earliest wake-up time of any unit. tick() returns the
+  /// unit's next wake-up time. A tick may also lower the wake-up times of other units, to times after `now`.
   template <class Tick>
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// Ticks those units of a range of groups that are due at `now`, the earliest wake-up time of the range. Returns the
-  /// range's next earliest wake-up time.
+  /// Ticks the units in a range of groups that are due at `now`, the earliest wake-up time of the range. Returns the
+  /// next earliest wake-up time of the range.
   template <class Tick>
   Time tick_due(Groups groups, Time now, Tick&& tick) {
     for (std::size_t g = groups.first; g < groups.end; ++g) {
@@ -94,7 +94,7 @@ class WakeupTable {
       Eight& group = groups_[g];
       for (unsigned due = match_mask8(group.data(), now); due != 0; due &= due - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(due));
-        group[i] = kNever;  // links may lower it during the tick
+        group[i] = kNever;  // links may lower the unit's time during its tick
         const Time own = tick(g * kGroup + i);
         group[i] = std::min(group[i], own);
       }
@@ -103,7 +103,7 @@ class WakeupTable {
     return earliest_time(groups);
   }
 
-  /// Ticks one unit whether or not it is due.
+  /// Ticks a unit, even if it is not due.
   template <class Tick>
   void tick_one(std::size_t unit, Tick&& tick) {
     time_of(unit) = kNever;
@@ -111,8 +111,8 @@ class WakeupTable {
     lower_to(unit, own);
     group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
   }
-  /// Returns the minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would,
-  /// stalls on store forwarding.
+  /// Returns the minimum of eight times. They are loaded one by one, because vector loads of recently written single
+  /// times would stall on store forwarding.
   static Time min_of_eight(const Time* eight_times) {
     const Time a = std::min(std::min(load_time(eight_times[0]), load_time(eight_times[1])),
                             std::min(load_time(eight_times[2]), load_time(eight_times[3])));
@@ -120,14 +120,14 @@ class WakeupTable {
                             std::min(load_time(eight_times[6]), load_time(eight_times[7])));
     return std::min(a, b);
   }
-  /// Returns a mask of the units, in up to eight groups, that wake at `now`.
+  /// Returns a mask of the units that wake at `now`, among the units of up to eight groups.
   static std::uint64_t due_mask(const Time* times, std::size_t group_count, Time now) {
     std::uint64_t due = match_mask8(times, now);
     for (std::size_t g = 1; g < group_count; ++g)
       due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
     return due;
   }
-  /// Updates the minimum of each group and returns the minimum of all.
+  /// Recomputes the minimum of each group. Returns the minimum of all groups.
   static Time refresh_group_minima(const Time* times, std::span<Time> group_minima) {
     Time first = group_minima.front() = min_of_eight(times);
     for (std::size_t g = 1; g < group_minima.size(); ++g) {
@@ -146,7 +146,7 @@ class WakeupTable {
   Time& time_of(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 
   std::vector<Eight> groups_;
-  std::vector<Time> group_minima_;  ///< minimum of each group
+  std::vector<Time> group_minima_;  ///< earliest wake-up time of each group
   std::size_t size_ = 0;
 };
 

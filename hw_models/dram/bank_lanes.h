@@ -63,8 +63,7 @@ class BankLanes {
   static constexpr std::uint32_t kWidth = 4;
   using Four [[gnu::vector_size(32)]] = std::int64_t;  // four numbers; signed, because SIMD comparisons are signed
 
-  /// Calls f(i, bits) for each group of four banks: `i` is the group's index, `bits` holds the mask bit of each of its
-  /// banks.
+  /// Calls f(i, bits) for each group of four banks. `i`: index of the group; `bits`: mask bit of each of its banks.
   template <class F>
   void for_each_four(F&& f) const {
     Four bit{1, 2, 4, 8};

@@ -114,8 +114,7 @@ bool DramChannel::send_response(const Return& line, sim::Time now) {
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
-  // While the channel has no scheduled command, it need not wake for refreshes. They are performed at its next tick,
-  // with the same result.
+  // While the channel has no scheduled command, it need not wake for refreshes. Its next tick performs them.
   const Cycle cycle = std::min({next_.start_cycle(), reschedule_at_, next_.is_none() ? sim::kNever : refresh_at_});
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())

@@ -325,8 +325,7 @@ struct DramAddress {
   std::uint32_t row = 0;
 };
 
-/// Maps the address of a line to a bank and row within its DRAM channel. DramConfig::channel_interleave() selects the
-/// channel.
+/// Maps a line's address to a bank and row in its DRAM channel. DramConfig::channel_interleave() selects the channel.
 class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
@@ -338,8 +337,7 @@ class DramMap {
         row_mask_(c.organisation.rows - 1) {}
 
   DramAddress address_of(Addr line) const {
-    // Bank and row bits are above the channel and column bits, whichever of those is first. So one shift serves both
-    // mappings.
+    // Bank and row bits are above channel and column bits, whatever their order. So one shift serves both mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
     DramAddress a;

@@ -29,8 +29,7 @@ class CommandCalendar {
  public:
   using Cycle = std::uint64_t;
 
-  /// `bursts_per_line`: number of bursts that transfer a line. `commands_per_line`: number of column commands that
-  /// start these bursts.
+  /// `bursts_per_line`: bursts that transfer a line. `commands_per_line`: column commands that start these bursts.
   CommandCalendar(const DramTiming& timing, std::uint32_t bursts_per_line, std::uint32_t commands_per_line)
       : half_activate_(timing.aad == 0 ? 0 : timing.ca_activate / 2),
         aad_(timing.aad),
@@ -57,8 +56,7 @@ class CommandCalendar {
     }
   }
 
-  /// Returns the first cycle at or after `from` in which the command can start without a conflict on the command and
-  /// data buses.
+  /// Returns the first cycle at or after `from` in which the command can start without a conflict on either bus.
   Cycle first_free_cycle(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free_cycle(index_of(command), from);
     if (half_activate_ == 0) return from + cycles_until_free(mask_relative_to(blocked_[kActivate], from));
@@ -68,8 +66,7 @@ class CommandCalendar {
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
     return from + cycles_until_free(blocked | no_second);
   }
-  /// Returns the first cycle at or after `from` in which a CAS, followed by its column command, can start without a
-  /// conflict.
+  /// Returns the first cycle at or after `from` in which a CAS and its column command can start without a conflict.
   Cycle first_cycle_for_cas_and_column(Cycle from) const { return first_free_cycle(kSync, from); }
   /// True if the DRAM data bus is free for all bursts of a line whose first burst starts at cycle `at`.
   bool is_data_bus_free(Cycle at) const { return (mask_relative_to(blocked_data_, at) & 1) == 0; }
@@ -133,8 +130,7 @@ class CommandCalendar {
       all |= booked_pattern >> std::countr_zero(asked_pattern);
     return all;
   }
-  /// Returns the mask of the bus cycles that a command occupies: `count` blocks of `length` cycles each, one block
-  /// every `stride` cycles.
+  /// Returns the mask of the bus cycles that a command occupies: `count` blocks of `length` cycles, `stride` apart.
   static constexpr std::uint64_t block_pattern(std::uint32_t count, std::uint32_t length, std::uint32_t stride) {
     std::uint64_t pattern = 0;
     for (std::uint32_t i = 0; i < count; ++i) pattern |= ((std::uint64_t{1} << length) - 1) << (i * stride);
@@ -159,8 +155,7 @@ class CommandCalendar {
   const std::array<std::uint64_t, kKinds> command_bus_;
   const std::uint64_t data_bus_;  ///< mask of the data bus cycles that a line occupies
   Cycle base_ = 0;
-  /// Mask, for each kind of command, of the start cycles that booked commands block. Conflicts with the pending ACT-2
-  /// are not included.
+  /// Start cycles that booked commands block, as a mask for each kind of command. The pending ACT-2 is not included.
   std::array<std::uint64_t, kKinds> blocked_{};
   std::uint64_t blocked_data_ = 0;
   Cycle act2_end_ = 0;    ///< first cycle after the last booked ACT-2; 0: none yet
@@ -239,8 +234,7 @@ class DramDevice {
   Cycle write_line(std::uint32_t bank, Cycle now);
   /// Returns the number of cycles from the beginning of a line's first burst to the end of its last burst.
   Cycle data_cycles() const { return column_span_ + t_.burst; }
-  /// Calls f(begin, end) for each interval in which a line occupies the DRAM data bus. `data`: cycle in which its data
-  /// begin.
+  /// Calls f(begin, end) for each interval in which a line occupies the DRAM data bus. `data`: start of its data.
   void for_each_burst(Cycle data, auto&& f) const {
     if (t_.ccd_l == t_.burst) return f(data, data + data_cycles());
     for (Cycle begin = data; begin <= data + column_span_; begin += t_.ccd_l) f(begin, begin + t_.burst);
@@ -254,8 +248,8 @@ class DramDevice {
   /// lower bank of each pair.
   std::uint32_t refresh_leader_mask() const { return refresh_leaders_; }
 
-  /// Closes the banks of the mask `bank_mask` and refreshes them together, as soon as timing allows at or after cycle
-  /// `due`.
+  /// Closes the banks of the mask `bank_mask` and refreshes them together, as soon as timing allows from cycle `due`
+  /// on.
   void refresh_banks(std::uint32_t bank_mask, Cycle due);
   /// Closes all banks of the rank and refreshes the rank, as soon as timing allows at or after cycle `due`.
   void refresh_rank(std::uint32_t rank, Cycle due);
@@ -336,8 +330,7 @@ class DramDevice {
   std::array<std::uint32_t, kMaxBanks> rows_{};
   /// Earliest cycle of a read, write, activate and precharge in each bank, by DramOp.
   std::array<BankLanes, 4> bank_at_;
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< timing constraint that delays the next activate of each
-                                                            ///< closed bank
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< constraint that delays an activate of each closed bank
   std::array<BankLanes, 2> group_at_;  ///< earliest read [0] and write [1] that the bank group allows, for each bank
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;

@@ -25,8 +25,7 @@ class DramClosedForms {
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
-  // Latency of a single read when its row is open, its bank is closed, another row is open, or the device is powered
-  // down.
+  // Latency of a single read when its row is open, its bank is closed, another row is open, or power is down.
   double row_hit_latency() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
   double closed_bank_latency() const { return t_.rcd + row_hit_latency(); }
   double row_conflict_latency() const { return t_.rp + closed_bank_latency(); }
@@ -54,8 +53,7 @@ class DramClosedForms {
     const double commands = t_.ca_activate + lines_per_row * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines_per_row * cycles_per_streamed_line()}) / lines_per_row;
   }
-  /// Returns the cycles per line of a stream of row hits in one bank, with the time lost to refreshes, which close the
-  /// row.
+  /// Returns the cycles per line of a stream of row hits in one bank, including refreshes, which close the row.
   double cycles_per_line_with_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = column_span() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
@@ -63,8 +61,7 @@ class DramClosedForms {
   }
 
  private:
-  /// Returns the cycles of the CAS before a read that follows a write after tWTR; 0 if the data clock WCK is still
-  /// running.
+  /// Returns the cycles of the CAS before a read that follows a write after tWTR; 0 if the data clock WCK still runs.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t column_span() const {
     return (bursts_ - 1) * t_.ccd_l;
@@ -91,8 +88,7 @@ struct DramRun {
   std::vector<sim::Time> done;     ///< end of the data transfer of each request
   sim::Time end = 0;               ///< end of the last data transfer
   DramChannel::Stats stats;
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< number of cycles for each DramCycleReason; the sum is
-                                                           ///< `end`
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles for each DramCycleReason; the sum is `end`
 
   sim::Time request_latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
@@ -119,9 +115,8 @@ struct DramMeasurement {
   bool is_within_tolerance() const;
 };
 
-/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Unless a
-/// measurement is about them, refresh and power-down are off and rows stay open. Each measurement chooses its own
-/// address mapping.
+/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Unless
+/// measured, refresh and power-down are off and rows stay open. Each measurement has its own address mapping.
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
 /// Measures the nominal energy of a DRAM channel as configured, with all ranks and refreshes. Reports pJ/bit of

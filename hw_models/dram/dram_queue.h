@@ -94,8 +94,7 @@ class DramQueue {
     hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{position_mask != 0} << bank;
   }
 
-  /// Returns a mask of queue positions without the bit of one removed request. The bits of later requests move down by
-  /// one.
+  /// Returns a mask of queue positions without one removed request. The bits of later requests move down by one.
   static std::uint64_t without_position(std::uint64_t position_mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (position_mask & before) | ((position_mask >> 1) & ~before);

@@ -7,8 +7,7 @@ namespace hw {
 
 /// Replaces `best` if one of the given banks of a rank has a better command of kind `kCommand`. Rank and bus
 /// constraints delay all banks of the rank equally. So the first cycle that they allow goes to the oldest request whose
-/// bank is ready by then. If no bank is ready, the same rule applies to the first free cycle after a bank becomes
-/// ready.
+/// bank is ready by then. If no bank is ready, this applies to the first free cycle after one becomes ready.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
                                                                       std::uint32_t rank, bool writes, Cycle from,
@@ -21,8 +20,7 @@ template <DramCommand kCommand>
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
     best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
   };
-  // Tries to find a command that starts at cycle `slot`. True if the search ends: a command was found, or `best` is
-  // earlier.
+  // Looks for a command that starts at cycle `slot`. True if the search ends: one was found, or `best` is earlier.
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
     const std::uint32_t ready = bank_mask & device_.ready_bank_mask<kCommand>(writes, slot);

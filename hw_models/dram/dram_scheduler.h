@@ -61,7 +61,7 @@ struct FrFcfs {
     return banks;
   }
   /// Returns a mask of the banks with queued row hits. The bank of the oldest request is included only if that request
-  /// is a row hit.
+  /// hits.
   static std::uint32_t hit_bank_mask_without_overtaking(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest_entry().address.bank;
     return (queue.hit_position_mask(bank) & 1) != 0 ? queue.hit_bank_mask() : queue.hit_bank_mask() & ~(1U << bank);
@@ -76,8 +76,7 @@ struct Fcfs {
 };
 
 /// Chooses a DRAM channel's next command among the banks that the policy allows. The earliest command wins. Among
-/// equally early ones, a column command precedes an activate, an activate a precharge, and then the oldest request
-/// wins.
+/// equally early ones, column commands precede activates, activates precede precharges, then the oldest request wins.
 class DramScheduler {
  public:
   using Cycle = DramDevice::Cycle;

@@ -7,8 +7,7 @@
 
 namespace hw {
 
-/// Configuration of the path of rays and hits between shader core and T&I unit: a direct interface, or a path through
-/// memory.
+/// Configuration of the path of rays and hits between shader core and T&I unit: direct, or through memory.
 struct DirectInterfaceConfig {
   bool enabled = true;
   std::uint32_t depth = 64;

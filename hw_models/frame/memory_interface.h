@@ -90,8 +90,7 @@ class MemoryFifo {
   };
 
   static Addr end_of_line(Addr address) { return line_of(address) + kLineBytes; }
-  /// Returns the maximum number of outstanding read requests of a FIFO. Each request ends at the end of a record or of
-  /// a line.
+  /// Returns the maximum number of outstanding read requests of a FIFO. Each ends at the end of a record or line.
   static std::size_t max_chunks(const Shape& shape) {
     return shape.depth * (std::size_t{shape.record_bytes} / kLineBytes + 2);
   }
@@ -211,8 +210,8 @@ class MemoryInterface {
   using Rays = MemoryFifo<RayJob>;
   using Hits = MemoryFifo<RayDone>;
 
-  /// `base`: start address of the ring buffers. `client`: client number of the rays' requests at the core's port; hits
-  /// have the next number.
+  /// `base`: start address of the ring buffers. `client`: client number of the rays at the core's port; hits have the
+  /// next.
   MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;

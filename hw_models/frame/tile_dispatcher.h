@@ -19,8 +19,7 @@ namespace hw {
 class TileSource {
  public:
   virtual ~TileSource() = default;
-  /// Returns the work of the next tile, or null at the end of the frame. The returned work stays valid until it is
-  /// passed to give_back().
+  /// Returns the work of the next tile, or null at the end of the frame. The work is valid until give_back(work).
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
   /// Called when the tile returned by the last next() is dispatched to a core at time `now`.

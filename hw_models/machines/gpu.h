@@ -67,8 +67,7 @@ class Gpu {
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA engines sRGB-encode finished pixels
     Observer* observer = nullptr;
-    /// Schedules of all kernels, taken from a GPU with equal shader cores. Null: the kernels are scheduled on
-    /// construction.
+    /// Schedules of all kernels, from a GPU with equal shader cores. Null: the constructor schedules the kernels.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 
@@ -89,8 +88,7 @@ class Gpu {
   sim::Time elapsed_time() const { return elapsed_; }
   std::uint64_t elapsed_cycles() const { return tni_clock_.cycles(elapsed_); }
 
-  /// Updates the counters of all units to the time `now` during the run. `now` must be a time at which a tile is
-  /// dispatched.
+  /// Updates the counters of all units to time `now` during a run. A tile must be dispatched at `now`.
   void account_until(sim::Time now) { machine_.account_until(now); }
   /// Ends the run now; tiles in flight remain unfinished. Call at the dispatch of the last tile of the list.
   void stop_early() { stopped_ = true; }
@@ -129,8 +127,8 @@ class Gpu {
     Dma* dma = nullptr;
     RasterUnit* raster = nullptr;  ///< null: the core has no rasteriser
   };
-  /// Links for rays and hits between shader core and T&I unit: those of the direct interface, or those of each end to
-  /// the memory interface.
+  /// Links for rays and hits between shader core and T&I unit: of the direct interface, or of each end to the memory
+  /// interface.
   struct Interface {
     sim::Link<RayJob>&rays_from_srp, &rays_to_tni;
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;

@@ -118,8 +118,7 @@ struct RaysDone {
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
-  /// Callback for each finished block of rays. If it returns false, no further block is started; blocks already started
-  /// are finished.
+  /// Callback for each finished block of rays. If it returns false, only the blocks already started are finished.
   using Watch = std::function<bool(const RaysDone& so_far)>;
 
   /// `parents`: parent node of each node of the image's BVH. All arguments must outlive this object.

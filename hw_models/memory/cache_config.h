@@ -71,8 +71,7 @@ enum class L2Writes : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "through", "around"}; }
 
-/// Configuration of the second-level cache (L2), which all cores share. Its size and number of MSHRs are totals over
-/// all banks.
+/// Configuration of the second-level cache (L2), which all cores share. Size and MSHRs are totals over all banks.
 struct L2Config {
   CacheConfig cache{.size = {256 * 1024}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;

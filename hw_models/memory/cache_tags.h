@@ -50,8 +50,7 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Returns the number of slots. It includes unused ones, because the ways of a set are rounded up to a multiple of
-  /// four.
+  /// Returns the number of slots, some of which are unused: the ways of a set are rounded up to a multiple of four.
   std::size_t slot_count() const { return sets_.size() / 2; }
 
   /// True if the line is cached. A hit marks the line as recently used.
@@ -76,12 +75,10 @@ class CacheTags {
   /// True if the line is cached. In contrast to probe(), the line is not marked as used.
   bool has_line(Addr line) const { return find_way(set_of(line), tag_of(line)) != kNoWay; }
 
-  /// Prefetches the tags that a probe for the line will read into the host's cache. The simulated cache does not
-  /// change.
+  /// Prefetches the tags that a probe for the line reads into the host's cache. The simulated cache does not change.
   void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
-  /// Puts a line into an empty way of its set or, if there is none, in place of the line chosen by the replacement
-  /// policy.
+  /// Puts a line into an empty way of its set or, if there is none, in place of the victim of the replacement policy.
   Filled fill_line(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find_way(set, tag_of(line));
@@ -106,8 +103,7 @@ class CacheTags {
   static constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t kLanes = 4;
 
-  /// Returns the number of the line in memory, which is used as its tag. 32 bits suffice: memory has far fewer than
-  /// 2^32 lines.
+  /// Returns the number of the line in memory, which is used as its tag. Memory has fewer than 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
   std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }

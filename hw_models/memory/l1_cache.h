@@ -43,8 +43,7 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// Reads a line if the cache holds it. Otherwise returns false without side effects. Must not be called for ideal
-  /// caches.
+  /// Reads a line if it is cached. Otherwise returns false without side effects. Must not be called for ideal caches.
   bool try_hit(Addr line) { return tags_.probe(line); }
 
   /// Requests a line in advance, on behalf of a slot that does not wait for it. Returns false if the line is cached or
@@ -59,15 +58,13 @@ class L1Cache {
   void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
   TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
-  /// Fills a line into the cache and frees its MSHR. Returns the slots that waited for the line and the cycle of the
-  /// miss.
+  /// Fills a line into the cache and frees its MSHR. Returns the slots that waited, and the cycle of the miss.
   Miss fill_line(Addr line) {
     tags_.fill_line(line);
     return misses_.release(line);
   }
 
-  /// Puts a line into the cache without taking simulated time (Gpu::warm_caches). Returns true if the line was already
-  /// cached.
+  /// Puts a line into the cache without taking simulated time (Gpu::warm_caches). Returns true if it was cached.
   bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill_line(line);
@@ -80,8 +77,7 @@ class L1Cache {
 
   /// True if the line is cached. The line is not marked as used.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
-  /// Prefetches the tags that a probe for the line will read into the host's cache. The simulated cache does not
-  /// change.
+  /// Prefetches the tags that a probe for the line reads into the host's cache. The simulated cache does not change.
   void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
   /// Returns the outstanding miss of a line, or null if the line is not requested.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }

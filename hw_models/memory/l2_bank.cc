@@ -120,8 +120,7 @@ void L2Bank::write_back_victim(sim::Time now, const L2Store::Victim& victim, Til
   stats_.written_back += 1;
 }
 
-/// Moves a request to the head of the L2 bank's queue if the head is empty. Then processes the request at the head
-/// unless it is blocked.
+/// Moves a request to the head of the L2 bank's queue if the head is empty. Then processes the head unless blocked.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;
@@ -218,8 +217,7 @@ std::string L2Bank::state() const {
       store_.dirty_lines());
 }
 
-/// Executes the write at the head of the queue according to the L2's write policy. Returns false if the write must
-/// wait.
+/// Executes the write at the head of the queue by the L2's write policy. Returns false if the write must wait.
 bool L2Bank::process_write(sim::Time now) {
   if (!has_room_to_memory(1)) return false;
   const MemRequest& r = head_.request;

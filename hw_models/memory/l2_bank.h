@@ -35,8 +35,8 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
-  /// Looks up a line. Returns kNot if the line is not cached, kPart if some of the wanted sectors are invalid, kAll if
-  /// all of them are valid.
+  /// Looks up a line. Returns kNot if it is not cached, kPart if some wanted sectors are invalid, kAll if all are
+  /// valid.
   Found look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
@@ -50,8 +50,7 @@ class L2Store {
     return clean_slot(slot);
   }
 
-  /// Writes sectors of a cached line and marks them dirty. Returns those of the written sectors that were already
-  /// dirty.
+  /// Writes sectors of a cached line and marks them dirty. Returns the written sectors that were already dirty.
   SectorMask write_sectors(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
@@ -71,8 +70,7 @@ class L2Store {
 
   /// Returns the number of cached lines with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
-  /// Marks the next dirty line, in slot order, as clean. Returns the line with its sectors to be written to memory.
-  /// Requires a dirty line.
+  /// Marks the next dirty line, in slot order, as clean. Returns it with its sectors to write. Requires a dirty line.
   Victim clean_next_dirty_line() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
     return {tags_.line_at(next_), clean_slot(next_)};
@@ -248,8 +246,7 @@ class L2Bank {
   void write_back_victim(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
   /// True if the request at the head of the queue is blocked until a fill frees an MSHR.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
-  /// True if the queue to memory has room for `request_count` requests and, in addition, a dirty victim of every
-  /// outstanding miss.
+  /// True if the queue to memory has room for `request_count` requests and a dirty victim of every outstanding miss.
   bool has_room_to_memory(std::uint32_t request_count) const {
     return unsent_.size() + misses_.size() + request_count <= unsent_capacity_;
   }

@@ -8,8 +8,7 @@ namespace hw {
 /// A byte address in the GPU's memory image.
 using Addr = std::uint64_t;
 
-/// Size in bytes of a cache line, which is the unit of memory requests. GpuConfig checks that all caches have this line
-/// size.
+/// Bytes of a cache line, which is the unit of memory requests. GpuConfig checks that all caches have this size.
 inline constexpr Addr kLineBytes = 64;
 /// Returns the address of the cache line that contains the byte at address `byte`.
 constexpr Addr line_of(Addr byte) { return byte & ~(kLineBytes - 1); }

@@ -118,8 +118,7 @@ struct RowActivated {
 };
 /// State of a DRAM bank when it is accessed: the requested row is open, no row is open, or another row is open.
 enum class RowState : std::uint8_t { kHit, kMiss, kConflict };
-/// Event: a DRAM channel has booked the data transfer of a request. `end`: time at which the transfer on the data bus
-/// will end.
+/// Event: a DRAM channel has booked the data transfer of a request. `end`: end of the transfer on the data bus.
 struct DramServed {
   MemRequest request;
   RowState row = RowState::kHit;
@@ -160,8 +159,7 @@ class ObserverList final : public Observer {
   void add(Observer* observer) {
     if (observer != nullptr) observers_.push_back(observer);
   }
-  /// Returns the observer to attach to the machine: null if the list is empty, the only observer if there is one, else
-  /// this list.
+  /// Returns the observer to attach to the machine: null if the list is empty, its only observer, or this list.
   Observer* attached_observer() {
     if (observers_.size() > 1) return this;
     return observers_.empty() ? nullptr : observers_.front();

@@ -9,13 +9,11 @@
 
 namespace hw {
 
-/// Account of one tile: its core, its times, and its use of the units that all tiles share. A request is charged to the
-/// tile that causes it.
+/// Account of one tile: core, times, and use of shared units. A request is charged to the tile that causes it.
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
-  /// The tile's cycles on the shader core's array. The cycles of a loop, from kernel switch to drain, are divided among
-  /// its items.
+  /// Cycles on the shader core's array. Those of a loop, from kernel switch to drain, are divided among its items.
   std::uint64_t srp_cycles = 0;
   /// Lines read from or written to the memory system, by RequesterKind.
   std::array<std::uint64_t, kRequesterKinds> lines{};
@@ -23,8 +21,7 @@ struct TileAccount {
   std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< DRAM lines read and written; DRAM rows opened
 };
 
-/// Observer that charges events to tiles. It keeps one account for each tile, in dispatch order, and one for events
-/// without a tile.
+/// Observer that charges events to tiles. It has one account per tile, in dispatch order, and one for other events.
 class TileAccounting final : public Observer {
  public:
   /// Reserves memory for the accounts of `tiles` tiles.

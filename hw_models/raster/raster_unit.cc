@@ -159,8 +159,7 @@ bool RasterUnit::add_triangle_to_window() {
 }
 
 void RasterUnit::begin_front_stage(sim::Time now) {
-  constexpr std::uint32_t kLines = 4;  // maximum number of cache lines to which a triangle's transformed vertices are
-                                       // written
+  constexpr std::uint32_t kLines = 4;  // maximum lines to which a triangle's vertices are written
   if (has_front_ || !fetch_.is_ready()) return;
   advance_cursor(setting_);
   const Job& of = job_at(setting_.job);

@@ -74,8 +74,7 @@ struct RasterUnitConfig {
     if (depth_buffer.bytes < depth_bytes) complain("depth_buffer", "holds not one sample's depth_bytes");
   }
 
-  /// Returns the number of parts in which a wave of `wave_samples` samples is processed because of the size of the
-  /// depth buffer.
+  /// Returns the number of parts in which a wave of `wave_samples` samples is processed to fit into the depth buffer.
   std::uint64_t depth_buffer_parts(std::uint64_t wave_samples) const {
     const std::uint64_t part = depth_buffer.bytes / depth_bytes;
     return std::max<std::uint64_t>(1, (wave_samples + part - 1) / part);

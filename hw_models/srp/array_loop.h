@@ -87,8 +87,7 @@ class LoopChunks {
   std::uint32_t items_ = 0, working_ = 0;
 };
 
-/// The software-pipelined loop that a shader core's array runs. Array time is the time since the loop's start,
-/// excluding stalls.
+/// The software-pipelined loop that a shader core's array runs. Array time is the time since its start without stalls.
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;

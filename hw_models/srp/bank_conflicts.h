@@ -5,8 +5,7 @@
 
 namespace hw {
 
-/// Stall cycles of a kernel's loop because of bank conflicts in local memory: `cycles` per `items` items, when the
-/// pipeline is full.
+/// Stall cycles of a kernel's loop by bank conflicts in local memory: `cycles` per `items` items in a full pipeline.
 struct BankConflicts {
   std::uint64_t cycles = 0;
   std::uint64_t items = 1;

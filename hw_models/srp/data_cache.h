@@ -7,8 +7,7 @@
 
 namespace hw {
 
-/// The cache lines that one memory access of a kernel reads. They follow from the accessed element and the memory
-/// layout.
+/// The cache lines that a memory access of a kernel reads, given the accessed element and the memory layout.
 struct LineSet {
   Addr line[4];
   std::uint32_t count = 0;

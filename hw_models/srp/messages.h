@@ -7,8 +7,7 @@
 
 namespace hw {
 
-/// Message from the tile dispatcher to a core: a new tile, or an update of the borders for which one of the core's
-/// tiles waits.
+/// Message from the tile dispatcher to a core: a new tile, or an update of the borders for which a tile waits.
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< imported borders that are not in memory yet, as a mask over TileWork::imports

@@ -9,8 +9,7 @@
 
 namespace hw {
 
-/// Class of a kernel operation, by the unit or port of the shader core's array that it occupies. The class determines
-/// the operation's cost.
+/// Class of a kernel operation, by the unit or port of the shader core's array that it occupies. It determines cost.
 enum class OpClass : std::uint8_t {
   kFree,  ///< no unit is occupied: loop variables, fields of loaded records, reinterpreted bits
   kFpAdd,

@@ -68,8 +68,7 @@ class Placer {
     }
   }
 
-  /// Places all operations. Returns false if the schedule is incomplete after `tries_per_operation` placements per
-  /// operation.
+  /// Places all operations. Returns false if some are unplaced after `tries_per_operation` placements per operation.
   bool place_all_operations(std::size_t tries_per_operation) {
     if (height_.size() != starts_.size()) return false;
     for (; tried_ < tries_per_operation * starts_.size(); ++tried_) {
@@ -102,8 +101,7 @@ class Placer {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  /// Places an operation in the first cycle in which a unit is free. If several are free, the least capable one is
-  /// used.
+  /// Places an operation in the first cycle in which a unit is free; among free units, on the least capable one.
   void place_operation(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
@@ -154,8 +152,7 @@ class Placer {
     return best;
   }
 
-  /// Places an operation on a unit at cycle `start`. Evicts operations that overlap it or would use its result too
-  /// early.
+  /// Places an operation on a unit at cycle `start`. Evicts operations that overlap it or use its result too early.
   void place_at(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {

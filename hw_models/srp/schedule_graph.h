@@ -51,8 +51,7 @@ class ScheduleGraph {
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// Source of a value: an operation of the item that is `distance` items earlier. kNone: a constant or the item's
-  /// number.
+  /// Source of a value: an operation of the item `distance` items earlier. kNone: a constant or the item's number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
     std::uint32_t distance = 0;
@@ -77,18 +76,15 @@ class ScheduleGraph {
   std::vector<Dependence> dependences_;
 };
 
-/// Pools of equal units or ports that operations occupy. Some classes of operations can use only some units of their
-/// pool.
+/// Pools of units or ports that operations occupy. Some operations can use only some units of their pool.
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
 Pool pool_of(OpClass op_class);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
-/// Returns the number of units of its pool that can execute an operation of this class. They are the first ones of the
-/// pool.
+/// Returns the number of units that can execute operations of this class. They are the first ones of their pool.
 std::uint32_t capable_units(OpClass op_class, const ArrayConfig& array);
-/// Returns the smallest initiation interval at which the shader core's array has enough units and ports for all
-/// operations.
+/// Returns the smallest initiation interval at which the array has enough units and ports for a kernel's operations.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);
 
 /// A bit vector that is searched 64 bits at a time.
@@ -130,8 +126,8 @@ inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool i
   return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, is_busy);
 }
 
-/// Returns the distance from row `from` to the first gap of `length` free rows of a unit in a cyclic reservation table;
-/// at most `limit`.
+/// Returns the distance from row `from` to the first `length` free rows of a unit in a cyclic reservation table; at
+/// most `limit`.
 inline std::uint32_t rows_until_gap(const BitVector& rows, std::uint32_t from, std::uint32_t length,
                                     std::uint32_t limit) {
   if (rows.count_of(false) < length) return limit;

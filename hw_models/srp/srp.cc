@@ -230,8 +230,7 @@ void Srp::fill_arrived_line(sim::Time now) {
   loads_.mshrs_full = false;
 }
 
-/// Returns true if all cache lines that the loop needs by now have arrived. Otherwise stalls the array and returns
-/// false.
+/// Returns true if all cache lines that the loop needs by now have arrived. Otherwise stalls the array.
 bool Srp::ensure_loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
@@ -306,8 +305,7 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// For an ideal shader core: requests the cache lines of all loop items as fast as MSHRs allow. Returns true when all
-/// lines have arrived.
+/// For an ideal shader core: requests all cache lines of the loop as fast as MSHRs allow. True when all have arrived.
 bool Srp::load_all_items(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;
@@ -427,8 +425,7 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
-  // A spilled ray is written to memory and read back before it is sent; its hit is written and read back before it is
-  // shaded.
+  // A spilled ray is written to memory and read back before it is sent; its hit likewise before it is shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.count_reads(bytes / kAccessBytes);
   buffer_.count_writes(bytes / kAccessBytes);

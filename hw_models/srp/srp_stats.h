@@ -82,8 +82,7 @@ struct SrpStats {
     counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
   }
 
-  /// Counts a switch to a kernel with `config_rows` rows of configuration. `is_resident`: they are in configuration
-  /// memory.
+  /// Counts a switch to a kernel with `config_rows` configuration rows. `is_resident`: configuration memory has them.
   void add_switch(std::uint32_t config_rows, bool is_resident) {
     switches += 1;
     resident_switches += is_resident ? 1 : 0;
@@ -92,8 +91,7 @@ struct SrpStats {
     config_rows_loaded += is_resident ? 0 : config_rows;
   }
 
-  /// Counts the events of a loop of `item_count` items of a kernel. Items after the first `working_count` idle, and
-  /// access no cache.
+  /// Counts the events of a loop of `item_count` items of a kernel. Items from `working_count` on are idle.
   void add_loop(const KernelSchedule& kernel, std::uint64_t item_count, std::uint64_t working_count) {
     const auto ops = [&](OpClass c) { return item_count * kernel.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;

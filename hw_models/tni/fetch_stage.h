@@ -47,8 +47,7 @@ struct FetchStats {
 /// waiting slot keeps its place in the input buffer.
 class FetchStage {
  public:
-  /// The resource for which a slot waits: its line, an MSHR, or room in the `rau` table. kNothing: the slot does not
-  /// wait.
+  /// The resource for which a slot waits: its line, an MSHR, or room in the RAU table. kNothing: it does not wait.
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
   /// Returns the cycle reason of a unit whose slots wait for the resource `wait`; `otherwise` if `wait` is kNothing.
   template <class CycleReason>
@@ -85,8 +84,7 @@ class FetchStage {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
   bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
-  /// Returns the resource for which slots of the unit wait. If there are several, the table precedes MSHRs, MSHRs
-  /// precede lines.
+  /// Returns the resource for which slots of the unit wait; the first of table, MSHR and line if they wait for several.
   Wait scarcest_wait() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
@@ -162,8 +160,7 @@ class FetchStage {
     no_mshr_ = 0;
   }
 
-  /// Prefetches the L1 tags that a probe for the line will read into the host's cache. The simulated cache does not
-  /// change.
+  /// Prefetches the L1 tags that a probe for the line reads into the host's cache. The simulated cache does not change.
   void prefetch_tags_on_host(Addr line) const { l1_.prefetch_tags_on_host(line); }
   bool warm_line(Addr line) { return l1_.warm_line(line); }
   const CacheTags& l1_tags() const { return l1_.tags(); }
@@ -171,8 +168,7 @@ class FetchStage {
 
   /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches a line into the L1 on behalf of a slot, which does not wait. Returns false if the line is cached or
-  /// already requested.
+  /// Prefetches a line into the L1 on behalf of a slot. Returns false if the line is cached or already requested.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     return l1_.prefetch_line(line, slot, cycle);
   }
@@ -211,8 +207,7 @@ class FetchStage {
     no_mshr_ &= ~slot_mask;
     resumed_ &= ~slot_mask;
   }
-  /// Makes a slot that missed wait: in a row of the RAU table (`rau`), or in the fetch stage, which stalls
-  /// (`blocking`).
+  /// Makes a slot that missed wait: in a row of the RAU table (`rau`), or by stalling the fetch stage (`blocking`).
   void wait_after_miss(Addr line, std::uint64_t slot_mask);
   /// Resumes slots after the fill of a line: those that wait for an MSHR, for the line or for room in its table row.
   /// `slot_mask`: slots that waited for the line.
@@ -236,8 +231,7 @@ class FetchStage {
   std::uint64_t table_full_ = 0;  ///< mask with the slot that stalls because the RAU table has no room for it
   Addr wanted_row_ = kAnyRow;     ///< line in whose row the stalled slot needs room; kAnyRow: it needs a free row
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< for each row whose line has arrived, mask of the slots that have not
-                                          ///< resumed
+  std::vector<std::uint64_t> rows_read_;  ///< slots that have not resumed, for each row whose line has arrived
 };
 
 }  // namespace hw

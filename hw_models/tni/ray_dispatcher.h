@@ -69,8 +69,7 @@ class RayDispatcher {
   bool dispatch_ray(sim::Time now);
   bool collect_hit(sim::Time now);
   std::size_t emptiest_trv() const;
-  /// Returns the TRV that can accept a ray soonest, at or after time `at`. Among equally early ones, it is the next in
-  /// round-robin order.
+  /// Returns the TRV that can accept a ray soonest from time `at` on; the next in round-robin order among equals.
   std::size_t next_trv_in_turn(sim::Time at) const;
   std::size_t chosen_trv(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;

@@ -159,8 +159,7 @@ struct TniMode {
   bool ideal_l1 = false;  ///< every probe of an L1 hits (ideal.l1)
 };
 
-/// Configuration of a T&I (traversal and intersection) unit, which has one ray dispatcher, several traversal units and
-/// one intersection unit.
+/// Configuration of a T&I (traversal and intersection) unit: a ray dispatcher, traversal units, an intersection unit.
 struct TniConfig {
   std::uint32_t trvs = 4;
   std::uint32_t link_depth = 2;

@@ -18,8 +18,7 @@ struct StackEntryOrigin {
   std::uint32_t instance = traces::kNone;
 };
 
-/// The nodes that a ray visits again after a restart, and the instance that it enters again. The next one to visit is
-/// at the back.
+/// The nodes that a ray visits again after a restart, and the instance that it enters again; the next one is last.
 class RestartPath {
  public:
   RestartPath() { path_.reserve(kUsualDepth); }
@@ -34,8 +33,7 @@ class RestartPath {
   void remove_next_step() { path_.pop_back(); }
 
  private:
-  static constexpr std::size_t kUsualDepth = 128;    ///< path length for which memory is reserved; longer paths
-                                                     ///< allocate more
+  static constexpr std::size_t kUsualDepth = 128;    ///< reserved path length; longer paths allocate more
   static constexpr std::uint32_t kEnter = 1U << 31;  ///< marks an instance in the path
 
   std::vector<std::uint32_t> path_;
@@ -120,8 +118,7 @@ class TraversalSlot {
   void advance_past_leaf() { go_to_step(next_word_ + 2); }
   void take_answer() { must_pop_ = true; }
 
-  /// Pops the youngest entry of the ray's stack. Returns false if the short stack is empty, so that the ray must
-  /// restart.
+  /// Pops the youngest entry of the ray's stack. Returns false if the short stack is empty: the ray must restart.
   [[gnu::always_inline]] bool pop_stack_entry(StackStats& stats) {
     if (short_stack_size_ == 0) return false;
     stats.pops += 1;
@@ -129,8 +126,8 @@ class TraversalSlot {
     consume_entry();
     return true;
   }
-  /// Restarts the traversal of the ray, whose short stack is empty. `walk`: first word of the ray's walk. `entries`:
-  /// scratch space.
+  /// Restarts the traversal of the ray, whose short stack is empty. `walk`: start of its walk. `entries`: scratch
+  /// space.
   void restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
                     std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
   /// Completes a node visit that a restarted ray repeats. With a restart trail, the last repeated visit continues at

@@ -11,8 +11,7 @@
 
 namespace hw {
 
-static constexpr std::size_t kUsualStackDepth = 128;  ///< entries for which memory is reserved; deeper stacks allocate
-                                                      ///< more
+static constexpr std::size_t kUsualStackDepth = 128;  ///< reserved entries; deeper stacks allocate more
 
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
          sim::Clock clock)
@@ -107,8 +106,7 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
   return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
-/// Returns a mask of the slots that may enter the shared pipe of a TRV with one pipe. Slots with a leaf are included if
-/// `room_for_leaves`.
+/// Returns a mask of the slots that may enter the shared pipe of a TRV; those with a leaf if `room_for_leaves`.
 std::uint64_t Trv::shared_pipe_slots(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);

@@ -154,8 +154,7 @@ class Trv {
     std::uint32_t node = 0, slot = 0;
   };
 
-  /// Simulates one cycle of the traversal unit. `kDefault`: its features are kDefaultTrvFeatures, used as compile-time
-  /// constants.
+  /// Simulates one cycle of the traversal unit. `kDefault`: its features are the constants kDefaultTrvFeatures.
   template <bool kDefault>
   sim::Time simulate_cycle(const Cycle& cycle);
   sim::Time simulate_cycle_with_any_features(const Cycle& cycle);
@@ -178,8 +177,7 @@ class Trv {
   bool has_output(sim::Time now) const {
     return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent_requests()) != 0;
   }
-  /// Returns a mask of the slots with a leaf to send to the intersection unit; 0 if the leaf pipe or the link is
-  /// occupied.
+  /// Returns a mask of the slots with a leaf to send to the intersection unit; 0 if the leaf pipe or link is occupied.
   std::uint64_t issuable_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
     return waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
@@ -203,16 +201,14 @@ class Trv {
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass of a node visit. Returns false if the visit needs another pass, for the other child with one box
-  /// tester.
+  /// Ends a pass of a node visit. Returns false if the visit needs another pass, for the other child.
   bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// Adds the far children of the last visits of the slots `visited_slots`, which hit both children, to the nodes to
-  /// prefetch.
+  /// Adds the far children of the last visits of the slots, which hit both children, to the nodes to prefetch.
   void collect_far_nodes(std::uint64_t visited_slots);
   void prefetch_far_nodes(std::uint64_t cycle);
   /// Returns the reason to which cycles from time `next` on are charged if no node enters the box pipe.
@@ -222,8 +218,7 @@ class Trv {
 
   // Members that every tick reads are first, so that they occupy few host cache lines.
   alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< mask of the slots that wait for each sub-pipe
-  /// Times at which the next ray, answer and cache line arrive. `soonest`: a lower bound of the times at which one can
-  /// be taken.
+  /// Times at which the next ray, answer and cache line arrive. `soonest`: lower bound of the next useful arrival.
   struct Arrivals {
     sim::Time soonest = sim::kNever, rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
   } arrivals_;
