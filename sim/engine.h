@@ -23,8 +23,9 @@ enum class Skip : std::uint8_t {
 ///   machine()      its units and links
 ///   done()         true once all work has left the machine
 /// Optional, to run the machine's partitions one after the other:
-///   run_limits(t)  limits of the partitions once all have reached time t; never after done() may become true Optional,
-///   to detect livelock:
+///   run_limits(t)  limits of the partitions once all have reached time t; not after a time at which done() may
+///                  become true
+/// Optional, to detect livelock:
 ///   livelock_timeout()     longest time that may pass without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {

@@ -132,8 +132,8 @@ class Machine {
   std::uint64_t retired_items() const;
 
   // The functions below are for the engine (sim/engine.h).
-  /// Prepares the machine for a run: builds the wake-up table and wakes all units at time 0. Only the first call
-  /// counts.
+  /// Prepares the machine for a run: builds the wake-up table and wakes all units at time 0. Later calls have no
+  /// effect.
   void start();
   WakeupTable& wakeup_table() { return wakeups_; }
   Partitions& partitions() { return partitions_; }

@@ -57,8 +57,8 @@ void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& mo
 /// Subtracts the results of the same units up to an earlier time from `later`. Peaks stay those of the whole time.
 void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
-/// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. `cache_bytes` 0:
-/// `sram_bytes`.
+/// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. `cache_bytes` 0 means equal
+/// to `sram_bytes`.
 template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_bytes = 0, std::uint64_t cache_bytes = 0) {
   UnitReport r;

@@ -25,7 +25,8 @@ class DramClosedForms {
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
-  // Latency of a single read when its row is open, its bank is closed, another row is open, or power is down.
+  // Latency of a single read when its row is open, its bank is closed, another row is open, or the device is in
+  // power-down.
   double row_hit_latency() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
   double closed_bank_latency() const { return t_.rcd + row_hit_latency(); }
   double row_conflict_latency() const { return t_.rp + closed_bank_latency(); }

@@ -425,7 +425,8 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
-  // A spilled ray is written to memory and read back before it is sent; its hit likewise before it is shaded.
+  // A spilled ray is written to memory and read back before it is sent; its hit is written and read back before it is
+  // shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.count_reads(bytes / kAccessBytes);
   buffer_.count_writes(bytes / kAccessBytes);

@@ -84,7 +84,8 @@ class FetchStage {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
   bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
-  /// Returns the resource for which slots of the unit wait; the first of table, MSHR and line if they wait for several.
+  /// Returns the resource for which slots of the unit wait. If they wait for several, the RAU table precedes MSHRs, and
+  /// MSHRs precede lines.
   Wait scarcest_wait() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
@@ -231,7 +232,8 @@ class FetchStage {
   std::uint64_t table_full_ = 0;  ///< mask with the slot that stalls because the RAU table has no room for it
   Addr wanted_row_ = kAnyRow;     ///< line in whose row the stalled slot needs room; kAnyRow: it needs a free row
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< slots that have not resumed, for each row whose line has arrived
+  std::vector<std::uint64_t> rows_read_;  ///< for each RAU row whose line has arrived: mask of the slots that have not
+                                          ///< resumed
 };
 
 }  // namespace hw

@@ -14,7 +14,8 @@
 
 namespace sim {
 
-/// Applies --set arguments such as "a.b=c" to a configuration, then checks it. Throws InputError, naming the argument.
+/// Applies --set arguments such as "a.b=c" to a configuration, then checks it. Throws InputError that names the
+/// argument.
 template <class Config>
 void apply_sets(Config& config, std::span<const std::string> sets) {
   ConfigNode tree = config_tree(config);
@@ -24,7 +25,8 @@ void apply_sets(Config& config, std::span<const std::string> sets) {
 }
 
 /// Reads a configuration file and the files that it `extends`, applies --set arguments such as "a.b=c", then checks the
-/// result. Throws InputError with one line: file, line, column (or the --set argument), key, fault, what is allowed.
+/// result. Throws InputError with a one-line text: file, line and column (or the --set argument), key, problem, and
+/// what is allowed.
 template <class Config>
 Config load_config(const std::filesystem::path& file, std::span<const std::string> sets = {}) {
   Config config;
@@ -38,14 +40,14 @@ Config load_config(const std::filesystem::path& file, std::span<const std::strin
 }
 
 /// Checks every value of a configuration against its limits, then the rules that involve several values. Throws
-/// InputError with the key.
+/// InputError that names the key.
 template <class Config>
 void check_config(const Config& config) {
   Config copy = config;
   check_tree(config_tree(copy));
 }
 
-/// Returns the effective configuration as YAML text: every field, with unit and meaning as a comment. Loading the text
+/// Returns a configuration as YAML text with every field, and its unit and meaning as a comment. Loading the text
 /// restores the configuration.
 template <class Config>
 std::string dump_config(const Config& config) {
@@ -53,14 +55,15 @@ std::string dump_config(const Config& config) {
   return dump_tree(config_tree(copy), Comments::kOn);
 }
 
-/// Returns the SHA-256 hash of a configuration's values. `only`: hash only the fields that affect this.
+/// Returns the SHA-256 hash of a configuration's values. `only`: if given, only fields with this Affects value are
+/// hashed.
 template <class Config>
 std::string config_hash(const Config& config, std::optional<Affects> only = {}) {
   Config copy = config;
   return hash_tree(config_tree(copy), only);
 }
 
-/// Returns the manual of a configuration as Markdown: for each group a table of key, value in `config`, unit, range,
+/// Returns the manual of a configuration as Markdown: a table for each group, with key, value in `config`, unit, range,
 /// what the key affects, and meaning.
 template <class Config>
 std::string config_manual(const Config& config) {
@@ -68,7 +71,7 @@ std::string config_manual(const Config& config) {
   return manual_of(config_tree(copy));
 }
 
-/// Returns every field of a configuration in the order of declaration, with its value in `config`.
+/// Returns a description of every field of a configuration, with its value in `config`, in the order of declaration.
 template <class Config>
 std::vector<FieldInfo> list_fields(const Config& config) {
   Config copy = config;

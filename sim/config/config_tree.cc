@@ -23,8 +23,8 @@ void find_nodes_with_key(const ConfigNode& group, std::string_view key, std::vec
   }
 }
 
-/// True if a user who wrote an unknown key in `group` may have meant the field `elsewhere` of another group. A group
-/// without subgroups accepts only fields of the kinds that it has.
+/// True if an unknown key in `group` may have been meant as the field `elsewhere` of another group. In a group without
+/// subgroups, that is possible only for kinds of fields that the group has.
 bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
   if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
   return !elsewhere.is_group() &&
@@ -39,8 +39,8 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Finds the origins (files, --set arguments) of the group's fields that are nearest to the user, if nearer than
-/// `than`, and updates `than`.
+/// Collects the origins (files, --set arguments) with the greatest nearness among the group's fields, if it is greater
+/// than `than`. Updates `than` to it.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
@@ -55,8 +55,8 @@ void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vecto
   }
 }
 
-/// Throws InputError for a field that violates a rule of its group. If an origin nearer to the user changed the other
-/// fields of the rule, the error names that origin.
+/// Throws InputError for a field that violates a rule of its group. If other fields of the group were set nearer to the
+/// user, the error names their origins, because these settings caused it.
 [[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, std::size_t nearness,
                               const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;
@@ -82,7 +82,7 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
     const bool is_given = named != nullptr && !named->origin.empty();
-    // A default counts as part of the file, not of --set.
+    // A default counts as set in the file, not by --set.
     refuse_rule(group, is_given ? std::string_view(named->origin) : origin, is_given ? named->nearness : kNearestFile,
                 path, problem);
   });

@@ -17,14 +17,15 @@
 
 namespace sim {
 
-/// Access to a configuration member of any enumeration type. The names are in the order of the values 0, 1, 2, ...
+/// Type-independent access to an enumeration member of a configuration. The names are in the order of the values 0, 1,
+/// 2, ...
 struct EnumTarget {
   std::vector<std::string_view> names;
   std::function<std::size_t()> get;
   std::function<void(std::size_t)> set;
 };
 
-/// Pointer to the member of a configuration struct that a field is bound to. FieldKind names the alternatives in this
+/// Pointer to the member of a configuration struct to which a field is bound. FieldKind lists the alternatives in this
 /// order.
 using Target = std::variant<bool*, std::uint32_t*, std::uint64_t*, double*, std::string*, Frequency*, ByteSize*,
                             Duration*, AutoCount*, Triple*, Band*, std::map<std::string, Band>*, EnumTarget>;
@@ -50,13 +51,14 @@ constexpr std::array<std::string_view, 13> names_of(FieldKind) {
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
-/// Receives each rule that a configuration struct's check() finds violated: the key and the problem.
+/// Callback for each rule that a configuration struct's check() finds violated, with the key and the problem.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 inline constexpr std::string_view kSetOrigin = "--set ";
-inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a file that no other file extends
+inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of values in a file that no other file
+                                                 ///< extends
 
-/// One field or group of a configuration, bound to an instance of its struct. The instance must outlive the node.
+/// One field or group of a configuration, bound to a struct with its values. The struct must outlive the node.
 struct ConfigNode {
   // Defined in config_tree.cc because the functions of `target` are slow to compile.
   ConfigNode();
@@ -67,20 +69,20 @@ struct ConfigNode {
   ConfigNode& operator=(ConfigNode&&) noexcept;
 
   std::string key;
-  std::string path;  ///< keys from the root, joined by dots
+  std::string path;  ///< keys from the root to this node, joined by dots
   std::string unit;
   std::string meaning;
   Limits limits;
   Affects affects = Affects::kTiming;
-  std::optional<Target> target;                ///< the member that a field is bound to; empty for a group
-  std::vector<ConfigNode> children;            ///< fields and groups of a group, as declared
-  std::function<void(const Complain&)> check;  ///< rules of a group, if it has any
-  std::vector<std::string> bundle;             ///< groups that extend the file which this field names
+  std::optional<Target> target;                ///< the member to which a field is bound; empty for a group
+  std::vector<ConfigNode> children;            ///< fields and subgroups of a group, in the order of declaration
+  std::function<void(const Complain&)> check;  ///< function that checks the rules of a group, if it has any
+  std::vector<std::string> bundle;             ///< sibling groups that extend the files named by this field
   std::map<std::string, std::string, std::less<>>
-      not_modelled;    ///< keys of mechanisms that the model lacks, each with the reason
-  std::string origin;  ///< where the value was set last (kSetOrigin); empty for a default
+      not_modelled;    ///< reason for each key of a mechanism that is not modelled
+  std::string origin;  ///< where the value was set last: a file, or a --set argument; empty for a default
   std::size_t nearness =
-      0;  ///< distance of the origin from the user: files that are extended are farther, --set is nearest
+      0;  ///< how near the origin is to the user: least for files extended by others, greatest for --set
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }
@@ -88,7 +90,7 @@ struct ConfigNode {
   ConfigNode* find_child(std::string_view name);
 };
 
-/// The visitor that describe() of a configuration struct receives: adds each declared field and group to a ConfigNode.
+/// Visitor for describe() of a configuration struct. It adds each declared field and group to a ConfigNode.
 class TreeBuilder {
  public:
   explicit TreeBuilder(ConfigNode& group) : group_(group) {}
@@ -115,19 +117,18 @@ class TreeBuilder {
     bind(add_node(key, meaning), member);
   }
 
-  /// Declares a text that makes each of the sibling groups extend the file of that name: `process: 5nm` extends
-  /// energy/5nm in `energy`, area/5nm in `area`. All other settings of these groups override the files.
+  /// Declares a text field whose value makes several sibling groups extend files of that name: `process: 5nm` makes
+  /// `energy` extend energy/5nm and `area` extend area/5nm. All other settings of these groups override the files.
   void bundle(std::string& member, std::string_view key, std::string_view meaning, std::vector<std::string> groups,
               Affects affects) {
     (*this)(member, key, "", meaning, any(), affects);
     group_.children.back().bundle = std::move(groups);
   }
 
-  /// Declares a key of a mechanism that the model lacks. A configuration that sets the key is an error with this
-  /// reason.
+  /// Declares a key of a mechanism that is not modelled. Setting the key is an error whose text contains the reason.
   void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
-  /// Adds a node for each field of the configuration struct `config` to `node`.
+  /// Adds a child node for each field and group of the struct `config` to `node`.
   template <class Config>
   static void bind(ConfigNode& node, Config& config) {
     TreeBuilder builder(node);
@@ -150,18 +151,18 @@ ConfigNode config_tree(Config& config) {
   return root;
 }
 
-/// Checks a configuration. Throws InputError for the first value outside its limits, otherwise for the first violated
-/// rule. `origin`: name of the whole configuration in errors about keys that keep their default.
+/// Checks a configuration. Throws InputError for the first value outside its limits, or else the first violated rule.
+/// `origin`: name of the configuration, for errors about keys with default values.
 void check_tree(const ConfigNode& root, std::string_view origin = {});
 
 /// Throws InputError("<origin>: <path>: <problem>"); empty parts are left out.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// Returns a hint for an unknown key: "did you mean 'x'?" with the same key elsewhere in the tree or the nearest key of
-/// the group, otherwise the keys that are allowed.
+/// Returns a hint for an unknown key in a group. It is "did you mean 'x'?", with the same key in another group or the
+/// nearest key of this group, or else a list of the allowed keys.
 std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
-/// Combines several callables into one, for std::visit.
+/// Combines several callables into one visitor for std::visit.
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;

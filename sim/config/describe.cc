@@ -67,16 +67,16 @@ Json value_json(const ConfigNode& field) {
   return value_text(field);
 }
 
-/// Escapes '|', which ends a cell of a Markdown table.
+/// Escapes '|', which would end a cell of a Markdown table.
 std::string escape_cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
   return escaped;
 }
 
-constexpr std::size_t kWidestCell = 100;  // longer values, such as large maps, are left to `config show`
+constexpr std::size_t kWidestCell = 100;  // longer values, such as large maps, are shown only by `config show`
 
-/// Returns the allowed values of a field without its unit at the end, which has a column of its own.
+/// Returns the allowed values of a field, without the unit at the end, which has a separate column.
 std::string range_text(const ConfigNode& field) {
   std::string range = allowed_text(field);
   const std::string unit = " " + field.unit;
@@ -126,10 +126,10 @@ std::string manual_of(const ConfigNode& root) {
 
 namespace {
 
-/// Writes numbers such as 1e-05 as 1.0e-05: YAML 1.1 readers such as PyYAML read a number without a point as text.
+/// Rewrites numbers such as 1e-05 as 1.0e-05, because YAML 1.1 parsers such as PyYAML read the first form as text.
 std::string with_decimal_points(const std::string& text) {
   std::string out;
-  bool is_whole = false;  // the number so far has digits and no point
+  bool is_whole = false;  // the number so far has digits and no decimal point
   for (const char c : text) {
     if (c == 'e' && is_whole) out += ".0";
     const bool begins = out.empty() || out.back() == ' ' || out.back() == '-';
@@ -139,7 +139,7 @@ std::string with_decimal_points(const std::string& text) {
   return out;
 }
 
-/// Returns the field's value as in a configuration file. Words that YAML 1.1 readers would read as booleans are quoted.
+/// Returns a field's value as in a configuration file. Words that YAML 1.1 parsers would read as booleans are quoted.
 std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
   const FieldKind kind = field.kind();
@@ -164,7 +164,7 @@ class DumpWriter {
     } else if (node.kind() == FieldKind::kBandMap) {
       write_map(node, depth);
     } else {
-      // A hash uses the plain text, so it does not depend on quotes.
+      // Hashes are computed from the text without comments, in which values are not quoted.
       write_line(depth, node.key + ": " + (comments_ == Comments::kOn ? yaml_value(node) : value_text(node)),
                  comment_of(node));
     }
@@ -237,7 +237,7 @@ std::string escape_regex(std::string_view text) {
   return escaped;
 }
 
-/// Returns the JSON Schema of a numeric field, which accepts a number, or a text of a number with the field's unit.
+/// Returns the JSON Schema of a numeric field. It accepts a number, or a text with a number and the field's unit.
 Json number_schema(const ConfigNode& field, const char* type) {
   Json number = {{"type", type}};
   if (std::isfinite(field.limits.min)) number["minimum"] = field.limits.min;
@@ -260,8 +260,8 @@ Json band_schema(const ConfigNode& field) {
   return {{"anyOf", {number, band}}};
 }
 
-/// Returns the JSON Schema of an enumeration, which accepts its names, and the booleans that YAML 1.1 readers make of
-/// `off` and `on`.
+/// Returns the JSON Schema of an enumeration. It accepts the names, and true or false for `on` or `off`, as YAML 1.1
+/// parsers read these words.
 Json enum_schema(const std::vector<std::string_view>& names) {
   Json choices = names;
   for (const std::string_view name : names) {

@@ -9,7 +9,7 @@
 
 namespace sim {
 
-/// One field of a configuration as plain data. The argument --set <path>=<value> restores the value.
+/// Description of one field of a configuration, with its value. The argument --set <path>=<value> restores the value.
 struct FieldInfo {
   std::string path;  ///< "tni.trv.rays"
   FieldKind kind = FieldKind::kBool;
@@ -18,12 +18,12 @@ struct FieldInfo {
   Limits limits;
   Affects affects = Affects::kTiming;
   std::string value;
-  std::vector<std::string> choices;  ///< names of the values of an enumeration
+  std::vector<std::string> choices;  ///< names of the values, if the field is an enumeration
 };
 
 enum class Comments : std::uint8_t { kOff, kOn };
 
-// Views of a bound configuration; config.h offers them for configuration structs.
+// Text, hash and schema of a configuration tree. The functions of config.h do the same for configuration structs.
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
 std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
 std::vector<FieldInfo> fields_of(const ConfigNode& root);
@@ -31,7 +31,7 @@ Json json_of(const ConfigNode& root);
 Json schema_of(const ConfigNode& root);
 std::string manual_of(const ConfigNode& root);
 
-/// Returns the YAML lines of one field, or of a group without its fields. `depth`: number of enclosing groups.
+/// Returns the YAML lines of one field, or those of a group without its fields. `depth`: number of enclosing groups.
 std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments);
 
 }  // namespace sim

@@ -9,14 +9,14 @@
 
 namespace sim {
 
-/// What a configuration field affects.
+/// Part of the results that a configuration field affects.
 enum class Affects : std::uint8_t {
-  kFunction,  ///< the recorded work: scene, program, thresholds, tile size, BVH build
-  kLayout,    ///< addresses: node, triangle and texture formats, placement
-  kWalk,      ///< expansion of the canonical walk: stack scheme and depth, boxes per visit
-  kTiming,    ///< the rest of the machine: clocks, queues, caches, arrays, memory
+  kFunction,  ///< the recorded work of a frame: scene, program, thresholds, tile size, BVH build
+  kLayout,    ///< memory addresses: formats of nodes, triangles and textures, placement
+  kWalk,      ///< how rays' recorded walks are executed: stack scheme and depth, boxes per visit
+  kTiming,    ///< timing of the machine: clocks, queues, caches, arrays, memory
   kEnergy,    ///< energy and power, computed at report time
-  kReport,    ///< what is written, and where
+  kReport,    ///< what output is written, and where
 };
 constexpr std::array<std::string_view, 6> names_of(Affects) {
   return {"function", "layout", "walk", "timing", "energy", "report"};
@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 6> names_of(Affects) {
 /// A frequency, written with a unit in configuration files ("500 MHz").
 struct Frequency {
   std::uint64_t hz = 0;
-  /// Returns the clock domain of this frequency; the period is rounded to the nearest femtosecond.
+  /// Returns the clock domain of this frequency. Its period is rounded to the nearest femtosecond.
   Clock clock() const { return Clock((kFemtosecondsPerSecond + hz / 2) / hz); }
   friend bool operator==(const Frequency&, const Frequency&) = default;
 };
@@ -37,14 +37,14 @@ struct Duration {
   Time time = 0;
   friend bool operator==(const Duration&, const Duration&) = default;
 };
-/// A value that is known within a band. The unit of the field applies ("pJ", "mW").
+/// A value with uncertainty: low, nominal and high, in the unit of the field ("pJ", "mW").
 struct Band {
   double low = 0, nominal = 0, high = 0;
   friend bool operator==(const Band&, const Band&) = default;
 };
 
-/// A count that is given as a number or as `auto`. An automatic count is computed from the rest of the configuration
-/// after loading.
+/// A count that is given as a number or as `auto`. An `auto` count is computed from the rest of the configuration after
+/// loading.
 struct AutoCount {
   std::uint32_t value = 0;
   bool is_auto = false;
@@ -58,7 +58,7 @@ struct Triple {
   friend bool operator==(const Triple&, const Triple&) = default;
 };
 
-/// Values that a numeric configuration field may take. Bounds are inclusive and in the field's own unit (bytes, hertz,
+/// Allowed values of a numeric configuration field. Bounds are inclusive and in the field's unit (bytes, hertz or
 /// femtoseconds for quantities).
 struct Limits {
   double min = 0;
@@ -72,8 +72,8 @@ constexpr Limits at_least(double min) { return {min, std::numeric_limits<double>
 constexpr Limits between(double min, double max) { return {min, max, false}; }
 constexpr Limits power_of_two(double min, double max) { return {min, max, true}; }
 
-// A configuration struct declares its fields once. Parsing, checks, "did you mean", the effective dump, the JSON Schema
-// and the manual come from that declaration:
+// A configuration struct declares its fields once. Parsing, checks, hints, YAML output, JSON Schema and manual are
+// derived from the declaration:
 //
 //   struct TrvConfig {
 //     std::uint32_t rays = 32;

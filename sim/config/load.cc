@@ -19,7 +19,7 @@ constexpr std::uint64_t kMostBytes = 4 << 20;
 constexpr std::size_t kMostFilesDeep = kNearestFile;
 constexpr std::size_t kMostFiles = 256;
 constexpr std::string_view kExtends = "extends", kScale = "scale";
-/// Configuration keys of the three numbers of a Band. A single number without keys sets all three.
+/// Configuration keys of the three numbers of a Band. A single number instead of the keys sets all three.
 constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 
 std::vector<std::filesystem::path>& search_path() {
@@ -27,8 +27,8 @@ std::vector<std::filesystem::path>& search_path() {
   return folders;
 }
 
-/// Returns the configuration files in the folders of the search path and one folder below, named as in `extends`:
-/// "dram/lpddr3-1600".
+/// Returns the names of the configuration files in the folders of the search path and their subfolders, as written in
+/// `extends`: "dram/lpddr3-1600".
 std::vector<std::filesystem::path> known_files() {
   std::vector<std::filesystem::path> files;
   std::error_code missing;
@@ -47,8 +47,8 @@ std::vector<std::filesystem::path> known_files() {
   return files;
 }
 
-/// Returns a hint for a configuration file that was not found: "; did you mean 'dram/lpddr3-1600'?" if a name is near,
-/// and "; known: ..." with the files for `group`.
+/// Returns a hint for a configuration file that was not found: "; did you mean 'dram/lpddr3-1600'?" if a similar name
+/// exists, and "; known: ..." with the files for `group`.
 std::string known_files_hint(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
   const std::string_view start = comparison_prefix(stem);
@@ -69,7 +69,7 @@ std::string path_of(const ConfigNode& group, std::string_view key) {
   return group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
 }
 
-/// Returns "tni: {trv: {rays: ...}}" for "tni.trv.rays".
+/// Returns a dotted key in nested YAML form: "tni: {trv: {rays: ...}}" for "tni.trv.rays".
 std::string nested_form(std::string_view key) {
   std::string text, ends;
   for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.')) {
@@ -90,7 +90,7 @@ std::string unknown_key_error(const ConfigNode& root, const ConfigNode& group, s
   return fmt::format("unknown key '{}'; {}", key, suggest_keys(root, group, key));
 }
 
-/// Returns an entry of a map of values as a configuration field of its own. Adds the entry if it is absent.
+/// Returns an entry of a map of values as a separate configuration field. Adds the entry if it is absent.
 ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
   ConfigNode field = map;
   field.path = path_of(map, key);
@@ -98,8 +98,8 @@ ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
   return field;
 }
 
-/// Returns the part of a --set path that follows the field's own path. A final "nominal" is omitted, because a single
-/// number sets low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
+/// Normalises the part of a --set path after the path of the field `node`. Omits a final "nominal" of a Band, because a
+/// single number sets low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
 std::string_view path_after_field(const ConfigNode& node, std::string_view path, const std::string& at) {
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);

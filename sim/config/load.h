@@ -11,23 +11,25 @@
 
 namespace sim {
 
-/// Sets the folders in which configuration files are searched, in order. Call once, before any configuration is loaded.
+/// Sets the folders, in order, in which configuration files are searched. Call once, before any configuration is
+/// loaded.
 void set_config_search_path(std::vector<std::filesystem::path> folders);
 
-/// Returns the path of a configuration file, which `name` gives absolutely, relative to the folder `beside`, or
-/// relative to a folder of the search path. ".yaml" is optional. Throws InputError if no file is found; the error
-/// begins with `asked_at` and suggests the nearest file. `group`: the group of keys that refers to the file.
+/// Finds a configuration file. `name`: path, absolute or relative to the folder `beside` or to a folder of the search
+/// path; ".yaml" is optional. `group`: the group of keys that refers to the file. Throws InputError if no file is
+/// found; its text begins with `asked_at` and suggests the nearest file.
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
                                   std::string_view asked_at = {}, std::string_view group = {});
 
-/// Reads configuration files and --set arguments into a bound configuration tree, one after the other. Each changes
-/// only the fields that it mentions. Functions throw InputError.
+/// Reads configuration files and --set arguments, one after another, into a configuration tree. Each changes only the
+/// fields that it contains. Functions throw InputError.
 class ConfigLoader {
  public:
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
-  /// Reads the names of bundles (TreeBuilder::bundle) from settings, before any file. The last setting counts.
+  /// Reads the values of bundle fields (TreeBuilder::bundle) from --set arguments. Call before files are read. If there
+  /// are several for a field, the last one counts.
   void choose_bundles(std::span<const std::string> sets);
   /// Reads a configuration file that may contain only the given keys at its top level.
   void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
@@ -38,7 +40,7 @@ class ConfigLoader {
   void apply_set(const std::string& argument);
 
  private:
-  /// Where configuration values come from: a file, or a --set argument.
+  /// Source of configuration values: a file, or a --set argument.
   struct Source {
     std::string name;
     std::filesystem::path folder;
@@ -46,7 +48,7 @@ class ConfigLoader {
     bool is_file = true;
     std::string place_of(TextPosition position) const;
   };
-  /// Name of a bundle, the place that chose it, and the folder that is searched first.
+  /// Value of a bundle field, where it was set, and the folder in which its files are searched first.
   struct ChosenBundle {
     std::string name, at;
     std::filesystem::path folder;
@@ -56,7 +58,8 @@ class ConfigLoader {
   void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
   void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
   void apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source);
-  /// Extends each group of a bundle by its file, once. The outermost file that names a bundle chooses it.
+  /// Makes each group of a bundle extend its file, once. If several files set the bundle field, the outermost one
+  /// counts.
   void apply_bundle(ConfigNode& group, ConfigNode& node, const YamlNode& value, const Source& source,
                     const std::string& at);
   void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);
@@ -64,10 +67,10 @@ class ConfigLoader {
 
   ConfigNode& root_;
   std::span<const std::string_view> top_keys_;     ///< allowed keys of the files being read; empty: all
-  std::vector<std::filesystem::path> open_files_;  ///< files being read; each is extended by the file before it
+  std::vector<std::filesystem::path> open_files_;  ///< files being read; each file extends the next one
   std::size_t files_read_ = 0;
-  bool is_complete_ = false;                     ///< the text has every key, so bundles extend nothing
-  std::map<std::string, ChosenBundle> bundles_;  ///< by the bundle's path
+  bool is_complete_ = false;                     ///< the text contains every key, so bundles read no files
+  std::map<std::string, ChosenBundle> bundles_;  ///< chosen bundles, by the path of the bundle field
 };
 
 }  // namespace sim

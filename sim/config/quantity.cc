@@ -24,13 +24,14 @@ constexpr std::array<MeasureUnit, 6> kDurationUnits{{{"fs", 1},
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// The decimal number digits / 10^fraction_digits.
+/// A decimal number: digits / 10^fraction_digits.
 struct Decimal {
   std::uint64_t digits = 0;
   unsigned fraction_digits = 0;
 };
 
-/// Parses a plain decimal number. Returns nullopt if the text is not one or does not fit 64 bits.
+/// Parses a decimal number without exponent. Returns nullopt if the text is not such a number, or its digits exceed 64
+/// bits.
 std::optional<Decimal> read_decimal(std::string_view text) {
   const std::size_t dot = text.find('.');
   const std::string_view whole = text.substr(0, dot);
@@ -47,7 +48,7 @@ std::optional<Decimal> read_decimal(std::string_view text) {
   return number;
 }
 
-/// Divides one of the factors `a` and `b` by a prime. Returns false if neither is divisible.
+/// Divides the product a x b by a prime: divides the factor `a` or `b`. Returns false if neither is divisible.
 bool divide_out(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
   std::uint64_t& factor = a % prime == 0 ? a : b;
   if (factor % prime != 0) return false;
@@ -94,7 +95,7 @@ std::uint64_t read_quantity(std::string_view text, std::span<const MeasureUnit> 
 std::string quantity_text(std::uint64_t base_units, std::span<const MeasureUnit> units) {
   if (base_units == 0) return fmt::format("0 {}", units.front().name);
   auto unit = units.rbegin();
-  while (base_units % unit->factor != 0) ++unit;  // the smallest unit's factor is 1
+  while (base_units % unit->factor != 0) ++unit;  // ends at the smallest unit, whose factor is 1
   return fmt::format("{} {}", base_units / unit->factor, unit->name);
 }
 

@@ -22,7 +22,7 @@ std::string_view trim_blanks(std::string_view text) {
   return text;
 }
 
-/// Returns a text without the field's unit at its end, if it ends with the unit.
+/// Returns a text without the field's unit, if the text ends with it.
 std::string_view without_unit(std::string_view text, std::string_view unit) {
   const std::size_t gap = text.find(' ');
   if (gap != std::string_view::npos && !unit.empty() && trim_blanks(text.substr(gap)) == unit)
@@ -78,7 +78,7 @@ std::string band_problem(const ConfigNode& field, const Band& band) {
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", band_text(band));
 }
 
-/// Parses a number. `text`: the user's whole text, for errors.
+/// Parses a number from `digits`. `text`: the whole text, for errors.
 double parse_double(const ConfigNode& field, std::string_view digits, std::string_view text, std::string_view what) {
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -143,7 +143,7 @@ void parse_value(const ConfigNode& field, std::string_view raw) {
                  [&](const EnumTarget& member) {
                    auto name = std::ranges::find(member.names, text);
                    if (name == member.names.end() && (text == "true" || text == "false")) {
-                     // PyYAML writes `off` back as `false`.
+                     // A YAML 1.1 writer such as PyYAML turns `off` into `false`, which is also accepted.
                      name = std::ranges::find_if(member.names, [&](std::string_view choice) {
                        return boolean_of_word(choice) == (text == "true");
                      });

@@ -14,7 +14,7 @@ std::uint32_t affects_bit(Affects affects) { return std::uint32_t{1} << static_c
 bool are_same(const AutoCount& a, const AutoCount& b) { return a.value == b.value && a.is_auto == b.is_auto; }
 bool are_same(const auto& a, const auto& b) { return a == b; }
 
-/// True if two nodes of the same field hold the same value.
+/// True if two nodes of the same configuration field have the same value.
 bool has_same_value(const ConfigNode& a, const ConfigNode& b) {
   return std::visit(
       Overloaded{[&](const EnumTarget& of_a) { return of_a.get() == std::get<EnumTarget>(*b.target).get(); },
@@ -59,7 +59,7 @@ void ConfigVariant::reset() {
 
 std::string ConfigVariant::hash(std::optional<Affects> only) const {
   std::string text;
-  text.reserve(bytes_ + bytes_ / 4);  // few values are longer
+  text.reserve(bytes_ + bytes_ / 4);  // few changed values are longer than in the base
   for (const Node& node : nodes_) {
     if (only && (node.affects & affects_bit(*only)) == 0) continue;
     const bool is_unchanged = node.base->is_group() || has_same_value(*node.base, *node.variant);

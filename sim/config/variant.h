@@ -12,27 +12,27 @@ namespace sim {
 /// configuration are written and hashed again.
 class ConfigVariant {
  public:
-  /// Both trees must be bound to structs of one type with equal values, and must outlive this object.
+  /// Both trees must be bound to structs of the same type with equal values, and must outlive this object.
   ConfigVariant(const ConfigNode& base, ConfigNode& variant);
 
-  /// Copies the values and origins of the base configuration to the variant.
+  /// Resets the variant to the values and origins of the base configuration.
   void reset();
-  /// Returns the hash that hash_tree() returns for the variant.
+  /// Returns the same hash as hash_tree() for the variant, but faster.
   std::string hash(std::optional<Affects> only) const;
 
  private:
-  /// A field of both configurations, or a group without its fields.
+  /// A field, or a group without its fields, in both configurations.
   struct Node {
     const ConfigNode* base;
     ConfigNode* variant;
     std::size_t depth;
-    std::string text;       ///< its lines in a dump of the base, without comments
-    std::uint32_t affects;  ///< mask over Affects: of the field, or of all fields of the group
+    std::string text;       ///< YAML lines of the node in the base configuration, without comments
+    std::uint32_t affects;  ///< mask of the Affects values of the field, or of all fields of the group
   };
   std::uint32_t add_node(const ConfigNode& base, ConfigNode& variant, std::size_t depth);
 
-  std::vector<Node> nodes_;  ///< in dump order
-  std::size_t bytes_ = 0;    ///< size of the dump
+  std::vector<Node> nodes_;  ///< nodes in the order of the YAML text
+  std::size_t bytes_ = 0;    ///< size of the base configuration's YAML text
 };
 
 }  // namespace sim

@@ -68,7 +68,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
   struct Open {
     Node node;
     YAML::anchor_t anchor;
-    std::optional<YamlNode::Entry> entry;  ///< its key has been read, its value has not
+    std::optional<YamlNode::Entry> entry;  ///< entry whose key has been parsed, but not its value
     std::set<std::string> keys;
   };
 
@@ -135,7 +135,7 @@ const YamlNode::Entry* YamlNode::find(std::string_view key) const {
 }
 
 std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name) {
-  // Without the last line end: yaml-cpp accepts an unclosed quote before it.
+  // Without trailing white space, because yaml-cpp accepts an unclosed quote before it.
   std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
   YamlTreeBuilder builder(name);
   try {
