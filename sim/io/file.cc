@@ -39,9 +39,9 @@ class Descriptor {
   const int fd_;
 };
 
-constexpr std::string_view kTemporary = ".raywatt-tmp";  // ends the temporary names of no other program
+constexpr std::string_view kTemporary = ".raywatt-tmp";  // part of all temporary names; not used by other programs
 
-/// True if the open file still has the name `path`: another process may have removed it.
+/// True if the open file still has the name `path`. False if another process has removed or replaced it.
 bool is_file_named(int file, const std::filesystem::path& path) {
   struct stat open {
   }, named{};
@@ -51,8 +51,8 @@ bool is_file_named(int file, const std::filesystem::path& path) {
 
 enum class Kind : std::uint8_t { kFile, kFolder };
 
-/// Creates a temporary file or folder that does not exist yet, and locks it. Returns its descriptor. Returns -1 with
-/// errno EEXIST if the name is taken, or -1 with another error. File systems without locks are accepted.
+/// Creates a temporary file or folder that does not exist yet, and locks it. Returns its descriptor, or -1 with the
+/// error in errno: EEXIST if the name is taken. File systems without locks are accepted.
 int create_locked(const std::filesystem::path& path, Kind kind) {
   int file = -1;
   if (kind == Kind::kFile) {
@@ -66,7 +66,7 @@ int create_locked(const std::filesystem::path& path, Kind kind) {
     }
   }
   if (file < 0) return file;
-  // Until the file is locked, another process may take it for stale and remove it.
+  // Before the file was locked, another process may have considered it stale and removed it.
   const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (!is_taken && is_file_named(file, path)) return file;
   ::close(file);
@@ -74,7 +74,7 @@ int create_locked(const std::filesystem::path& path, Kind kind) {
   return -1;
 }
 
-/// Removes those entries of a folder whose names match and whose locks are free.
+/// Removes the entries of a folder for which matches(name) is true and whose locks are free.
 void remove_stale_entries(const std::filesystem::path& folder, const std::function<bool(const std::string&)>& matches) {
   std::error_code failed, ignored;
   std::filesystem::directory_iterator entry(folder, failed);
@@ -88,8 +88,8 @@ void remove_stale_entries(const std::filesystem::path& folder, const std::functi
   }
 }
 
-/// Removes "PID-N" and the dot before it from the end of a text; former versions wrote "PID.N" for folders. Returns
-/// false if the text does not end so.
+/// Removes ".PID-N" (or ".PID.N", as former versions named folders) from the end of a text. Returns false if the text
+/// does not end like this.
 bool remove_process_and_number(std::string_view& text) {
   constexpr std::string_view kDigits = "0123456789";
   for (const std::string_view separators : {"-.", "."}) {
@@ -176,8 +176,7 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   }
 }
 
-/// Checks that the folder of `path` exists and accepts new files, because a file is replaced through a temporary one
-/// next to it.
+/// Checks that the folder of `path` exists and accepts new files, because a temporary file is written there first.
 static void check_folder_of(const std::filesystem::path& path) {
   const std::string shown = printable(path.string());
   const std::filesystem::path folder = parent_of(path);
@@ -214,7 +213,7 @@ NewFile::~NewFile() {
 
 void NewFile::throw_error() const { throw_write_error(path_, errno); }
 
-/// Writes all bytes to an open file. Returns false with the error in errno if that fails.
+/// Writes all bytes to an open file. On failure, returns false with the error in errno.
 static bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -230,9 +229,9 @@ void NewFile::write(std::string_view bytes) {
 
 void NewFile::commit() {
   if (::fsync(file_) != 0) throw_error();
-  // The lock is held until the rename: without it another process would remove the file as stale.
+  // Keeps the lock until the rename. Without the lock, another process might remove the file as stale.
   const Descriptor locked(::fcntl(file_, F_DUPFD_CLOEXEC, 0));
-  if (::close(std::exchange(file_, -1)) != 0) throw_error();  // some file systems report a full disk only here
+  if (::close(std::exchange(file_, -1)) != 0) throw_error();  // some file systems report a full disk only at close
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) throw_error();
   temporary_.clear();
   const Descriptor folder(parent_of(path_), O_RDONLY | O_DIRECTORY);
@@ -294,7 +293,7 @@ std::error_code NewFolder::make() {
   }
   for (int n = 0; n < 100; ++n) {
     std::filesystem::create_directories(parent_, error);
-    if (error) continue;  // another process has just removed a parent that it had made
+    if (error) continue;  // another process may have just removed a parent that it had created
     temporary_ = parent_ / fmt::format(".{}.{}-{}{}", target_.filename().string(), ::getpid(), n, kTemporary);
     lock_ = create_locked(temporary_, Kind::kFolder);
     if (lock_ >= 0) return {};
@@ -315,8 +314,8 @@ constexpr std::size_t kMostNote = 512;
   throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), error_text(error)));
 }
 
-// Returns a lock of the open file description, which the kernel frees at its end. Other hosts see it, unlike a lock of
-// flock().
+// Returns a description of a lock on the whole file, for fcntl(). Unlike a lock of flock(), other hosts see such a
+// lock.
 struct flock whole_file_lock() {
   struct flock range {};
   range.l_type = F_WRLCK;
@@ -330,7 +329,7 @@ std::string read_note(int file) {
   return {text.data(), static_cast<std::size_t>(size < 0 ? 0 : size)};
 }
 
-/// True if an open file is a lock file of this program: empty, or one line "HOST PID".
+/// True if an open file is a lock file of this program: it is empty or contains one line "HOST PID".
 bool is_lock_file(int file) {
   struct stat open {};
   if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;
@@ -358,7 +357,7 @@ std::optional<FileLock> FileLock::try_acquire(const std::filesystem::path& path,
       if (error == EAGAIN || error == EACCES) return std::nullopt;
       throw_lock_error(path, error);
     }
-    if (is_file_named(file, path)) {  // the former holder removes the file when it releases the lock
+    if (is_file_named(file, path)) {  // false if the former holder has just removed the file
       if (!note.empty() && (::ftruncate(file, 0) != 0 ||
                             ::pwrite(file, note.data(), note.size(), 0) != static_cast<ssize_t>(note.size()))) {
         const int error = errno;

@@ -11,30 +11,30 @@
 
 namespace sim {
 
-/// Returns the bytes of a regular file. Throws InputError if it is missing, not a regular file, cannot be opened or is
-/// larger than `max_bytes`; IoError if reading fails.
+/// Returns the content of a regular file. Throws InputError if the file is missing, not regular, cannot be opened or
+/// has more than `max_bytes` bytes; IoError if reading fails.
 std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes);
 
-/// Describes which existing files a command of the program may replace with its own output.
+/// Describes which existing files a command of the program may overwrite with its output.
 struct Replaceable {
-  std::string_view mark = {};  ///< text in the first 512 bytes of every file that the verb writes; empty: no such text
-  std::string_view kind = "file";  ///< word for such a file in messages: "trace"
-  bool any = false;                ///< --force: any regular file may be replaced
+  std::string_view mark = {};      ///< text in the first 512 bytes of all files that the command writes; empty: none
+  std::string_view kind = "file";  ///< word for such a file in error messages, such as "trace"
+  bool any = false;                ///< any regular file may be replaced (option --force)
 };
-/// Checks that an output file can be written: `path` is free or a replaceable file, and its folder accepts new files.
-/// Then removes stale temporary files of `path`. Throws InputError otherwise; links, folders, devices and pipes are
-/// never replaced.
+/// Throws InputError unless an output file can be written: `path` is free or a replaceable file, and its folder accepts
+/// new files. Links, folders, devices and pipes are never replaced. Also removes stale temporary files of `path`.
 void check_output(const std::filesystem::path& path, const Replaceable& replaceable);
 
-/// A new file that gets its name only when it is complete, so that a crash or power failure leaves no partial file.
+/// Writes a new file that gets its name only when it is complete, so that a crash or power failure leaves no partial
+/// file.
 ///
 /// 1. It is written under a temporary name in the same folder: "x.123-0.raywatt-tmp.json" for "x.json".
-/// 2. The temporary file is locked while its writer lives, so other processes can detect a stale one.
-/// 3. commit() synchronises it and renames it over the former file.
+/// 2. The temporary file is locked while its writer runs. An unlocked one is stale, and other processes may remove it.
+/// 3. commit() waits until the disk has stored the file, then renames it, replacing an existing file.
 /// 4. The destructor removes a file that was not committed.
 class NewFile {
  public:
-  /// Creates the temporary file. Throws IoError if it cannot be written, as all members do.
+  /// Creates the temporary file. All members throw IoError if the file cannot be written.
   explicit NewFile(std::filesystem::path path);
   ~NewFile();
   NewFile(const NewFile&) = delete;
@@ -55,54 +55,56 @@ class NewFile {
 /// it is complete. It is locked like a NewFile. The destructor removes it if it still has its temporary name.
 class NewFolder {
  public:
-  /// `parent`: where to make the temporary folder; empty: in the parent of `target`.
+  /// `target`: path of the complete folder. `parent`: folder in which the temporary folder is created; empty: the
+  /// parent of `target`.
   explicit NewFolder(std::filesystem::path target, const std::filesystem::path& parent = {});
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
 
-  /// Makes the temporary folder, and its parents if they are missing. The destructor removes those new parents that
-  /// stay empty.
+  /// Creates the temporary folder, and its parents if they are missing. The destructor removes new parents that are
+  /// empty.
   std::error_code make();
   /// Returns the path of the temporary folder; empty before make().
   const std::filesystem::path& path() const { return temporary_; }
-  /// Removes stale temporary folders from the parent folder, whatever their targets.
+  /// Removes all stale temporary folders in the parent folder, also those of other targets.
   void remove_stale() const;
 
  private:
   const std::filesystem::path target_, parent_;
   std::filesystem::path temporary_;
-  std::vector<std::filesystem::path> made_parents_;  ///< innermost first
+  std::vector<std::filesystem::path> made_parents_;  ///< newly created parent folders, innermost first
   int lock_ = -1;
 };
 
-/// Replaces the file `path` by one with the content `bytes`. A crash leaves either the old or the new file.
+/// Writes a file with the content `bytes`, replacing an existing one. A crash leaves either the old or the new file.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
-/// Appends `bytes` to a regular file, which is created if missing. Throws IoError if that fails or if `path` is not a
-/// regular file.
+/// Appends `bytes` to a regular file, which is created if missing. Throws IoError on failure or if `path` is no regular
+/// file.
 void append_to_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// Waits until the disk has stored a file or folder. Throws IoError on failure.
+/// Waits until the disk has stored a file or folder (fsync). Throws IoError on failure.
 void sync_to_disk(const std::filesystem::path& path);
 
 /// Creates the missing folders of a path and waits until the disk has stored them. Throws IoError on failure.
 void make_folders(const std::filesystem::path& path);
 
-/// Removes the stale temporary files of `path`: those that killed processes have left.
+/// Removes stale temporary files of the output file `path`, which are left by killed processes.
 void remove_stale_files(const std::filesystem::path& path);
 
-/// True if `name` is a name that a NewFile for `target` gives its temporary file.
+/// True if `name` could be the name of a temporary file of a NewFile for `target`.
 bool is_temporary_name(std::string_view name, const std::filesystem::path& target);
 
-/// A lock file, which one process at a time can hold. The kernel frees the lock when the process ends for any reason.
-/// Other hosts see the lock if the file system supports that (NFS version 4).
+/// A lock on a lock file, which one process at a time can hold. The kernel frees the lock when the process ends for any
+/// reason. The lock also works between hosts if the file system supports that (NFS version 4).
 class FileLock {
  public:
   /// Acquires the lock and writes `note` into the lock file. Returns nullopt if another process holds the lock. Throws
-  /// IoError if the file system refuses locks; InputError if `path` is a link, a pipe or a file that is no lock file.
+  /// IoError if the file system does not support locks; InputError if `path` is a link, a pipe or a file that is no
+  /// lock file.
   static std::optional<FileLock> try_acquire(const std::filesystem::path& path, const std::string& note = {});
-  /// Returns the note of the process that holds the lock; nullopt if the lock is free.
+  /// Returns the note that the process holding the lock has written; nullopt if the lock is free.
   static std::optional<std::string> read_holder(const std::filesystem::path& path);
 
   ~FileLock();

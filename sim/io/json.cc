@@ -19,8 +19,8 @@ using Type = Json::Type;
 
 // --- Objects -----------------------------------------------------------------------------------------------------
 
-/// The entries of a JSON object, with an index if there are many. The index is a search tree, so no choice of keys
-/// makes it slow.
+/// The entries of a JSON object, with an index if there are many. The index is a search tree, so hostile keys cannot
+/// make it slow.
 struct Json::Object {
   static constexpr std::size_t kFewKeys = 16;
 
@@ -51,7 +51,7 @@ struct Json::Object {
     const auto found = std::ranges::find(entries, key, &Entry::key);
     return found == entries.end() ? nullptr : &*found;
   }
-  /// Adds an entry for a key, which must be absent, and returns its value.
+  /// Adds an entry for a key, which must be absent. Returns a reference to its value.
   Json& add(std::string key) {
     entries.push_back({std::move(key), Json()});
     if (index != nullptr) {
@@ -140,7 +140,7 @@ const char* name_of(const Json& json) {
   return json.is_object() ? "object" : "number";
 }
 
-// Texts and numbers of errors are those of nlohmann.
+// Error texts and numbers equal those of the nlohmann JSON library.
 JsonError key_error(std::string_view key) {
   return {JsonError::Kind::kKey, fmt::format("[json.exception.out_of_range.403] key '{}' not found", key)};
 }
@@ -165,7 +165,7 @@ T Json::to_number() const {
   if (type_ == Type::kUnsigned) return static_cast<T>(value_.natural);
   if (type_ != Type::kDouble) refuse(kNotOfType, "type must be number, but is");
   if constexpr (std::integral<T>) {
-    // The conversion of a number out of range is undefined.
+    // Numbers outside the range of T are handled separately, because their conversion is undefined.
     constexpr double kEnd = static_cast<double>(std::numeric_limits<T>::max());
     if (!(value_.real >= static_cast<double>(std::numeric_limits<T>::min()))) return std::numeric_limits<T>::min();
     if (value_.real >= kEnd) return std::numeric_limits<T>::max();
@@ -445,7 +445,7 @@ bool Json::equals_json(const Json& other) const {
 
 JsonPointer::JsonPointer(std::string_view text) {
   while (!text.empty()) {
-    text.remove_prefix(1);  // the '/'
+    text.remove_prefix(1);  // the leading '/'
     const std::string_view token = text.substr(0, text.find('/'));
     std::string& key = tokens_.emplace_back();
     for (std::size_t i = 0; i < token.size(); ++i) {
@@ -460,10 +460,10 @@ JsonPointer::JsonPointer(std::string_view text) {
 
 namespace {
 
-/// Writes a Json value as text. Strings and floating-point numbers are written by the serializer of nlohmann.
+/// Writes a Json value as text. The serializer of the nlohmann JSON library writes strings and floating-point numbers.
 class JsonWriter {
  public:
-  /// Writes JSON text with `indent` spaces per level; 0: the whole text is one line.
+  /// `indent`: spaces per nesting level of the JSON text; 0: the text is one line.
   explicit JsonWriter(std::size_t indent) : indent_(indent) {}
 
   void write(const Json& json) {
@@ -579,7 +579,7 @@ void check_json_depth(std::string_view json, std::size_t levels) {
   }
 }
 
-/// Builds a value from the events of the nlohmann JSON parser.
+/// Builds a Json value from the events of the nlohmann JSON parser.
 class JsonBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
   bool null() override { return add_value(Json()); }
@@ -635,7 +635,7 @@ class JsonBuilder : public nlohmann::json_sax<nlohmann::json> {
 
   Json root_;
   std::vector<Json*> open_;  ///< arrays and objects still being parsed
-  Json* member_ = nullptr;   ///< of the last key
+  Json* member_ = nullptr;   ///< value of the last parsed key
 };
 
 Json parse_json(std::string_view text, std::size_t levels) {

@@ -20,10 +20,10 @@ namespace sim {
 
 /// Maximum depth of nested arrays and objects in a JSON file that Raywatt writes.
 inline constexpr std::size_t kDeepestJson = 64;
-/// Maximum number of keys of one JSON object: several times the keys of a whole report of the largest machine.
+/// Maximum number of keys of one JSON object: several times the number of keys in a report of the largest machine.
 inline constexpr std::size_t kMostJsonKeys = 250'000;
 
-/// Exception: a JSON value has the wrong type, a key or element is absent, or a text is not JSON.
+/// Exception: a JSON value has the wrong type, a key or element is absent, or a text is not valid JSON.
 class JsonError : public std::runtime_error {
  public:
   enum class Kind : std::uint8_t { kSyntax, kNumberRange, kType, kKey, kIndex };
@@ -32,7 +32,7 @@ class JsonError : public std::runtime_error {
       : std::runtime_error(what), kind(found), bytes_read(bytes) {}
 
   Kind kind;
-  std::size_t bytes_read;  ///< kSyntax: number of bytes up to and including the wrong one
+  std::size_t bytes_read;  ///< for kSyntax: number of bytes up to and including the invalid one
 };
 
 /// An iterator over the elements of a JSON array or over the values of a JSON object.
@@ -71,7 +71,8 @@ class JsonIterator {
   Entry* entry_ = nullptr;
 };
 
-/// The place of a value in a JSON tree: "/frames/0/cycles". "~1" encodes a '/' in a key and "~0" a '~'.
+/// A JSON pointer: the path of a value in a JSON tree, such as "/frames/0/cycles". In a key, "~1" encodes '/' and "~0"
+/// encodes '~'.
 class JsonPointer {
  public:
   explicit JsonPointer(std::string_view text);
@@ -81,12 +82,13 @@ class JsonPointer {
   std::vector<std::string> tokens_;
 };
 
-/// A JSON value. Objects keep the order in which their keys were added; finding a key takes logarithmic time.
+/// A JSON value. Objects keep the order in which their keys were added. Finding a key takes logarithmic time.
 ///
-/// 1. A braced list is an object if each element is a list of a string and a value, and an array otherwise. The first
-/// of equal keys counts.
+/// 1. A braced list is an object if each element is a list of a string and a value, and an array otherwise. If keys are
+/// equal, the first one counts.
 /// 2. Functions throw JsonError for a value of the wrong type, an absent key or an absent element.
-/// 3. Iteration visits the elements of an array, the values of an object, nothing of null, and any other value itself.
+/// 3. Iteration visits the elements of an array or the values of an object. Null counts as empty; any other value is
+/// visited itself.
 class Json {
  public:
   enum class Type : std::uint8_t { kNull, kBoolean, kInteger, kUnsigned, kDouble, kString, kArray, kObject };
@@ -156,15 +158,16 @@ class Json {
   bool is_object() const { return type_ == Type::kObject; }
   bool is_structured() const { return is_array() || is_object(); }
 
-  /// Returns the value converted to T: bool, a number type, std::string, or a std::vector of std::string, double or
-  /// std::uint64_t. Numbers are cast to T. Throws JsonError for a value of another kind.
+  /// Returns the JSON value converted to T: bool, a number type, std::string, or a std::vector of std::string, double
+  /// or std::uint64_t. Numbers are cast to T. Throws JsonError for a value of another kind.
   template <class T>
   T get() const;
-  /// Returns a reference to the text of a JSON string, valid until the value changes. T: const std::string&.
+  /// Returns a reference to the text of a JSON string. It is valid until the value changes. T must be const
+  /// std::string&.
   template <class T>
   T get_ref() const;
 
-  std::size_t size() const;  ///< 0 for null, 1 for a boolean, number or string
+  std::size_t size() const;  ///< number of elements or keys; 0 for null, 1 for a boolean, number or string
   bool empty() const { return size() == 0; }
   iterator begin();
   iterator end();
@@ -175,7 +178,7 @@ class Json {
   Json& back();
   const Json& back() const;
 
-  /// Returns the entries of an object in their order; empty for null. The keys must not be changed.
+  /// Returns the entries of a JSON object in order; empty for null. The caller must not change the keys.
   std::span<Entry> items();
   std::span<const Entry> items() const;
   bool contains(std::string_view key) const;
@@ -188,17 +191,18 @@ class Json {
   Json& at(std::size_t index);
   const Json& at(std::size_t index) const;
   const Json& at(const JsonPointer& pointer) const;
-  /// Returns the value of a key of an object. Adds a null value if the key is absent; null itself becomes an object.
+  /// Returns the value of a key of a JSON object. If the key is absent, it is added with a null value. Called on null,
+  /// it creates an object.
   Json& operator[](std::string_view key);
   Json& operator[](std::size_t index) { return at(index); }
-  /// Returns the value at a place of the tree. Adds absent values along the path: arrays for numeric tokens, objects
-  /// for others.
+  /// Returns the value at a path of the JSON tree. Adds absent values along the path: arrays for numeric tokens,
+  /// objects for others.
   Json& operator[](const JsonPointer& pointer);
   const Json& operator[](std::string_view key) const { return at(key); }
   const Json& operator[](std::size_t index) const { return at(index); }
   const Json& operator[](const JsonPointer& pointer) const { return at(pointer); }
 
-  /// Returns the value of a key of an object, converted as by get(); `otherwise` if the key is absent.
+  /// Returns the value of a key of a JSON object, converted as by get(); `otherwise` if the key is absent.
   template <class T>
   T value(std::string_view key, T otherwise) const {
     const Json* found = find_for_value(key);
@@ -206,19 +210,20 @@ class Json {
   }
   std::string value(std::string_view key, const char* otherwise) const { return value(key, std::string(otherwise)); }
 
-  /// Appends an element to an array; null becomes an array.
+  /// Appends an element to a JSON array. Null becomes an array first.
   void push_back(Json element);
-  /// Sets all keys of another object in this object; null becomes an object.
+  /// Copies all keys and values of another JSON object into this object. Null becomes an object first.
   void update(const Json& other);
-  /// Removes a key from an object if it exists, in time linear in the number of keys.
+  /// Removes a key from a JSON object, if it exists. The time is linear in the number of keys.
   void erase(std::string_view key);
-  /// Sorts the keys of all objects of the tree by their bytes.
+  /// Sorts the keys of all objects in the JSON tree by their bytes.
   void sort_keys();
-  /// Returns an object with all leaves of the tree; the key of a leaf is its JSON pointer as text. Empty arrays and
-  /// objects become null.
+  /// Returns a JSON object with all leaves of the tree. The key of a leaf is its JSON pointer. Empty arrays and objects
+  /// become null.
   Json flatten() const;
 
-  /// True if two JSON values are equal. Numbers of different types are compared by value. The order of keys counts.
+  /// True if two JSON values are equal. Numbers of different types are compared by value. Objects with different orders
+  /// of keys are not equal.
   friend bool operator==(const Json& a, const Json& b) { return a.equals_json(b); }
 
  private:
@@ -247,7 +252,7 @@ class Json {
   template <class T>
   std::vector<T> to_list() const;
 
-  // Mutable because the elements of an initializer list are const: move_out() moves them. No other function changes a
+  // Mutable, because move_out() moves elements of an initializer list, which are const. No other function changes a
   // const value.
   mutable Type type_ = Type::kNull;
   mutable Value value_;
@@ -288,31 +293,32 @@ const std::string& Json::get_ref() const;
 /// Writes a JSON value as one line, for test messages.
 std::ostream& operator<<(std::ostream& out, const Json& json);
 
-/// True if a JSON text nests objects and arrays deeper than `levels`. Recursive walks over the values take a stack
-/// frame per level. The answer for text that is not JSON is arbitrary.
+/// True if a JSON text nests objects and arrays deeper than `levels`. Used to limit the stack of recursive functions.
+/// The result for invalid JSON is arbitrary.
 bool is_nested_deeper(std::string_view json, std::size_t levels);
 
 /// Throws InputError if a JSON text nests objects and arrays deeper than `levels`.
 void check_json_depth(std::string_view json, std::size_t levels = kDeepestJson);
 
-/// Returns a JSON value as text: in one line, or indented over several lines. Bytes that are not UTF-8 become U+FFFD
-/// (with_escaped_bytes() of printable.h keeps them). Numbers have the fewest digits that read back exactly.
+/// Returns a JSON value as text in one line. Bytes that are not UTF-8 become U+FFFD (with_escaped_bytes() of
+/// printable.h keeps them). Numbers have the fewest digits from which they can be parsed exactly.
 std::string json_line(const Json& json);
+/// Returns a JSON value as text, indented over several lines. Otherwise equal to json_line().
 std::string json_lines(const Json& json);
 
-/// Parses untrusted JSON text in linear time. Of equal keys the last counts, at the position of the first. Throws
-/// InputError for more than `levels` levels or more than kMostJsonKeys keys in an object; JsonError for text that is
-/// not JSON.
+/// Parses untrusted JSON text in linear time. If keys of an object are equal, the last value counts, at the position of
+/// the first. Throws InputError for more than `levels` levels or kMostJsonKeys keys per object; JsonError for invalid
+/// JSON.
 Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
-/// Parses the next JSON value of a stream, with the errors of the other parse_json(). The caller must have checked the
+/// Parses the next JSON value of a stream. Throws like the other parse_json(). The caller must have checked the nesting
 /// depth.
 Json parse_json(std::istream& text);
 
-/// Throws the InputError of whole_number() for a value `what` that is not a whole number from `min` to `max`.
+/// Throws the InputError of whole_number(). `what`: description of the value; `min`, `max`: allowed range.
 [[noreturn]] void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max);
 
-/// Converts untrusted JSON to a whole number that fits T. Throws an InputError that begins with `what` if the value is
-/// not such a number; get() would convert any number.
+/// Converts untrusted JSON to a whole number of type T. If the value is not such a number, throws InputError with a
+/// text that begins with `what`. (get() would cast any number.)
 template <class T>
 T whole_number(const Json& json, std::string_view what) {
   if (json.is_number_unsigned()) {

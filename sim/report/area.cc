@@ -11,7 +11,7 @@
 namespace sim {
 namespace {
 
-/// Returns the area of a unit's memory array, or its share of an array of several banks.
+/// Returns the area of a unit's memory array. If several units share an array as its banks, it is the unit's share.
 Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {
@@ -20,7 +20,7 @@ Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   refuse_without_entry(unit, "area.arrays");
 }
 
-/// Returns the area of a unit's pads. `area`: the entry of the area table, which is for sixteen data lines.
+/// Returns the area of a unit's pads, in proportion to its data pins. `area`: entry of the area table, for 16 pins.
 Band pad_area_of(const Band& area, const UnitReport& unit) {
   if (unit.data_lines != 0) return area * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));

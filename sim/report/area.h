@@ -10,12 +10,12 @@
 
 namespace sim {
 
-/// Area table of a manufacturing process: one file of configs/area. The area of logic is in EnergyConfig (LogicArea),
-/// because it also determines leakage; `logic_scale` converts it to this process.
+/// Area table of a manufacturing process: one file of configs/area. Areas of logic are in EnergyConfig (LogicArea),
+/// because they also determine leakage. `logic_scale` converts them to this process.
 ///
-/// 1. The area of a memory array depends on its size: "l2@64KiB" and "l2@256KiB" are points of the curve "l2", a power
-/// law between and beyond them.
-/// 2. A unit is looked up as "<block>.<kind>", then as "<block>".
+/// 1. The area of a memory array depends on its size. "l2@64KiB" and "l2@256KiB" are points of the curve "l2", which is
+/// a power law between and beyond the points.
+/// 2. A unit is looked up by the name "<block>.<kind>", then by "<block>".
 struct AreaConfig {
   std::string process = "unnamed";
   Band logic_scale{1, 1, 1};
@@ -37,7 +37,7 @@ struct AreaConfig {
   }
 };
 
-/// Area of one block of the chip in mm2.
+/// Area of one block of the chip, in mm2.
 struct AreaOfBlock {
   Band logic, arrays, buffers, pads;
   Band total() const;
@@ -45,11 +45,11 @@ struct AreaOfBlock {
 
 struct AreaReport {
   std::map<std::string, AreaOfBlock> blocks;
-  Band total;  ///< including wires between blocks and gaps
+  Band total;  ///< sum of the blocks, plus wires between them and gaps
 };
 
-/// Computes the area of each block. `energy` contains the area of logic. Throws InputError for a unit whose block,
-/// storage or part is not in the tables.
+/// Computes the area of each block of the chip. `energy`: table with the areas of logic. Throws InputError for a unit
+/// whose block, memory or part is not in the tables.
 AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config);
 
 }  // namespace sim

@@ -54,7 +54,7 @@ std::uint64_t idle_cycles(const UnitReport& unit) {
   return cycles;
 }
 
-/// Flip-flops and logic of units that are not on the chip.
+/// Flip-flops and logic area of units that are not on the chip.
 constexpr Band kNothing{};
 
 std::vector<std::string> blocks_of(std::span<const UnitReport> units) {

@@ -17,12 +17,12 @@ namespace sim {
 
 /// Energy table of a manufacturing process: one file of configs/energy.
 ///
-/// 1. The energy of an event may depend on the size of the memory array: "cache.l1_read@16KiB" and
-/// "cache.l1_read@32KiB" are points of the curve "cache.l1_read", a power law between and beyond them.
-/// 2. `logic` and `flops` describe a unit without its SRAM; `parts` corrects `logic` for parts whose number is a
-/// configuration key (LogicArea).
-/// 3. A unit is looked up as "<block>.<kind>", then as "<block>". Its kind is the last part of its path without digits
-/// ("core0.tni.trv2" -> "tni.trv").
+/// 1. The energy of an event may depend on the size of the memory array. "cache.l1_read@16KiB" and
+/// "cache.l1_read@32KiB" are points of the curve "cache.l1_read", which is a power law between and beyond the points.
+/// 2. `logic` (area) and `flops` describe a unit without its SRAM. `parts` corrects `logic` for parts whose number is
+/// configured (LogicArea).
+/// 3. A unit is looked up by the name "<block>.<kind>", then by "<block>". The kind is the last part of the unit's path
+/// without digits: "core0.tni.trv2" is "tni.trv".
 struct EnergyConfig {
   std::string process = "unnamed";
   std::map<std::string, Band> events;
@@ -66,10 +66,10 @@ struct EnergyConfig {
   }
 };
 
-/// Energy of an event that a device's own model computes, such as DRAM, including the device's clock.
+/// Energy of an event whose energy is computed by the model of a device, such as DRAM. It includes the device's clock.
 struct DeviceEvent {
   Band pj;               ///< energy per event
-  bool standby = false;  ///< independent of activity; counted as leakage
+  bool standby = false;  ///< the energy is independent of activity and counted as leakage
 };
 
 Band operator+(const Band& a, const Band& b);
@@ -89,8 +89,8 @@ struct EnergyByKind {
 /// Energy of a run in pJ. The sums by block and by kind both equal `total_pj`.
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
-  /// Energy of each event of each block: number of events times energy per event. Standby of devices is leakage; the
-  /// others sum to the dynamic energy.
+  /// Energy of each event in each block: number of events times energy per event. Standby events of devices belong to
+  /// leakage; the others sum to the dynamic energy.
   std::map<std::string, std::map<std::string, Band>> events;
   EnergyByKind kinds;
   Band total_pj;
@@ -98,24 +98,23 @@ struct EnergyReport {
 };
 
 /// Computes the energy of each block: sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock
-/// runs in cycles charged to reasons of kind kIdle. The block's factors in `scales` multiply everything except device
-/// events. Throws InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a
-/// part.
+/// counts in cycles charged to reasons of kind kIdle. Factors in `scales` multiply all but device events. Throws
+/// InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a part.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});
 
-/// Area of a unit's logic in mm2, as a formula of values in the energy table, which may change later:
+/// Area of a unit's logic in mm2, as a formula of values in the energy table. The values may change later:
 ///
 ///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), at least 0
 ///
-/// 1. Removed parts count with their nominal area, so the band of a smaller unit stays in order.
-/// 2. A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>".
-/// 3. A table without any parts is from a report of an older version: the area is energy.logic.
+/// 1. Missing parts are subtracted with their nominal area, so that low <= nominal <= high also holds for the result.
+/// 2. A part is looked up by the name "<block>.<kind>.<part>", then by "<block>.<part>".
+/// 3. If a table has no parts at all, it is from a report of an older version, and the area is energy.logic.
 /// 4. `config` must outlive the formula and keep its entries.
 class LogicArea {
  public:
-  /// Throws InputError for a unit without `logic` in the table or with an unknown part.
+  /// Throws InputError if `config` lacks `logic` of the unit, or one of its parts.
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
   double area_of(BandMember member) const;
@@ -130,39 +129,39 @@ class LogicArea {
   std::vector<Difference> differences_;
 };
 
-/// Energy of a run as a formula of the values in the energy table. Names are looked up once; then the values may change
-/// and the energy be computed again. `config` and `device_events` must outlive the formula and keep their entries.
+/// Energy of a run as a formula of the values in the energy table. Names are looked up only once, so the energy can be
+/// recomputed quickly when values have changed. `config` and `device_events` must outlive the formula and keep their
+/// entries.
 class EnergyFormula {
  public:
   /// Throws InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a part.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
-  /// Replaces the counts of the formula by other counts of the same units.
+  /// Replaces the event counts and times in the energy formula by those of another run of the same units.
   void set_counts(std::span<const UnitReport> units, Time elapsed);
 
   /// Returns low, nominal and high energy by block, kind and event.
   EnergyReport compute_report() const;
   /// Energy of one unit in pJ.
   struct UnitEnergy {
-    std::vector<Band> events;  ///< one for each counter that names an event, in order, with its share of the clock tree
+    std::vector<Band> events;  ///< energy of each counter with an event, with its share of the clock tree
     Band idle;                 ///< energy independent of activity: leakage, standby, idle clock
   };
-  /// Returns the energy of each unit, in the order of the units. Their sum equals compute_report().total_pj except for
-  /// the order of additions.
+  /// Returns the energy of each unit, in the order of the units. The sum equals compute_report().total_pj, except for
+  /// rounding.
   std::vector<UnitEnergy> unit_energies() const;
   /// Returns the energy of each block in pJ, in alphabetical order of the blocks. `member`: low, nominal or high.
   std::vector<double> block_energies(BandMember member) const;
-  /// Returns dynamic energy, clock and leakage in pJ. `member`: low, nominal or high.
+  /// Returns the total dynamic energy, clock energy and leakage in pJ. `member`: low, nominal or high.
   std::vector<double> kind_energies(BandMember member) const;
   static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
-  /// Returns the total energy in pJ, equal to compute_report().total_pj to the last bit. `member`: low, nominal or
-  /// high.
+  /// Returns the total energy in pJ, bit-identical to compute_report().total_pj. `member`: low, nominal or high.
   double total_pj(BandMember member) const;
   const std::vector<std::string>& block_names() const { return blocks_; }
 
  private:
-  /// Energy of one event: from the table, for memory arrays of one size, or from a device's model.
+  /// Energy of one event: from the energy table for a size of memory array, or from the model of a device.
   struct EventEnergy {
     EnergyPoint point{};
     const DeviceEvent* device = nullptr;
@@ -200,7 +199,7 @@ class EnergyFormula {
   EnergyTable table_;
   std::vector<EventEnergy> event_energies_;
   std::vector<std::string> blocks_;
-  std::vector<PowerScale> scales_;  ///< one per block
+  std::vector<PowerScale> scales_;  ///< scale factors of each block
   std::vector<Unit> units_;
   double leakage_pj_per_mw_;
 };

@@ -11,23 +11,23 @@
 
 namespace sim {
 
-/// Voltage for which energies are computed.
+/// Selects the voltage for which energies are computed.
 enum class Voltage : std::uint8_t {
-  kNominal,  ///< the voltage of the energy table at any clock
-  kDvfs,     ///< the voltage that each domain needs for its clock
+  kNominal,  ///< the voltage of the energy table, for any clock frequency
+  kDvfs,     ///< the voltage that each clock domain needs for its frequency
 };
 constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
 
-/// State of the chip between frames.
+/// Power state of the chip between frames.
 enum class ChipIdle : std::uint8_t {
-  kPowerGated,  ///< `idle_leakage` of the leakage remains
-  kClockGated,  ///< supplied, without clocks: all leakage
-  kClocked,     ///< supplied and clocked: leakage, and the clock of idle units
+  kPowerGated,  ///< without supply; the fraction `idle_leakage` of the leakage remains
+  kClockGated,  ///< with supply, without clocks: all leakage remains
+  kClocked,     ///< with supply and clocks: all leakage, and the clock energy of idle units
 };
 constexpr std::array<std::string_view, 3> names_of(ChipIdle) { return {"power_gated", "clock_gated", "clocked"}; }
 
-/// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults leave
-/// energies unscaled.
+/// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults do not
+/// scale energies.
 struct PowerConfig {
   std::string process = "unnamed";
   Voltage voltage = Voltage::kNominal;
@@ -71,14 +71,14 @@ struct PowerConfig {
   }
 };
 
-/// Factors by which a block's energies differ from those in the energy table. Not applied to devices.
+/// Factors that are applied to the energies of a block from the energy table. Energies of devices are not scaled.
 struct PowerScale {
   double dynamic = 1, leakage = 1;
 };
-/// Scale factors by block name; blocks that are absent have factor 1.
+/// Scale factors by block name. Blocks that are absent have factors of 1.
 using PowerScales = std::map<std::string, PowerScale>;
 
-/// Voltage of a clock domain as a function of its frequency: linear between points, constant below the lowest,
+/// Voltage of a clock domain as a function of its frequency: linear between points, constant below the lowest point,
 /// extrapolated above the highest.
 class VoltageCurve {
  public:
@@ -92,15 +92,15 @@ class VoltageCurve {
     std::uint64_t hz;
     double volt;
   };
-  std::vector<Point> points_;  ///< by increasing frequency
+  std::vector<Point> points_;  ///< points of the curve by increasing frequency
 };
 
 /// Returns the voltage curve of each clock domain in `config.dvfs`. Throws InputError for an entry without a frequency,
-/// or a voltage that falls as the clock rises.
+/// or a voltage that decreases with frequency.
 std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
 
-/// Returns the factors for a voltage. Dynamic energy grows with the square of the voltage, leakage with a power of it;
-/// leakage also doubles every `leakage_doubling` degrees.
+/// Returns the energy factors for a voltage. Dynamic energy grows with the square of the voltage. Leakage grows with a
+/// power of the voltage, and doubles every `leakage_doubling` degrees.
 PowerScale power_scale(const PowerConfig& config, double volt);
 
 }  // namespace sim

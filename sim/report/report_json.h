@@ -11,16 +11,17 @@ namespace sim {
 /// Returns a Band as JSON {low, nominal, high}, each multiplied by `factor`.
 Json band_json(const Band& band, double factor = 1);
 
-/// Returns the reports of units as a JSON tree by the parts of their paths: "core0.tni.trv2" is at
-/// ["core0"]["tni"]["trv2"], with {elapsed, why{reason: cycles}, counters{name: value}}. Keeps the order of the units.
+/// Returns the reports of units as a JSON tree that follows the parts of their paths: "core0.tni.trv2" is at
+/// ["core0"]["tni"]["trv2"]. A unit is {elapsed, why{reason: cycles}, counters{name: value}}. Keeps the order of the
+/// units.
 Json units_json(std::span<const UnitReport> units);
 
-/// Returns an energy report as JSON {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock, leakage}},
-/// each a band in millijoules, and energy_by_event_mj{block{event}}, nominal.
+/// Returns an energy report as JSON, in mJ: {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock,
+/// leakage}, energy_by_event_mj{block{event}}}. Events have nominal values, all others bands.
 Json energy_json(const EnergyReport& energy);
 
-/// Returns the text of a report file: indented JSON with a final line end. Numbers have the fewest digits that read
-/// back exactly, so equal reports are equal bytes.
+/// Returns the text of a report file: indented JSON with a final line end. Numbers have the fewest digits from which
+/// they can be parsed exactly, so equal reports have equal bytes.
 std::string json_text(const Json& json);
 
 }  // namespace sim

@@ -24,8 +24,7 @@ int exponent_of(double value, int digits) {
   return exponent;
 }
 
-/// Returns a number as text of `digits` digits, and the metric prefix that leaves one to three of them before the
-/// point.
+/// Returns a number as text with `digits` digits, and its metric prefix. One to three digits are before the point.
 std::pair<std::string, std::string_view> metric_text(double value, int digits) {
   constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
   constexpr int kNone = 5;
@@ -51,7 +50,10 @@ std::string si_text(double value, std::string_view unit) {
   };
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
-  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:#.3g}", value);  // ratios
+  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3)
+    return fmt::format("{:#.3g}", value);  // ratios
+                                           // have no
+                                           // prefix
   const auto [number, prefix] = metric_text(value, 3);
   return with_unit(number, prefix);
 }
@@ -68,7 +70,7 @@ std::string four_digits(double value) {
 
 std::string Table::text() const {
   std::vector<std::size_t> widths;
-  // For each column the number of cells with numbers minus those with words; the first column holds names.
+  // For each column, the number of cells with numbers minus the number of cells with words. The first column has names.
   std::vector<int> numbers = {-1};
   for (const auto& row : rows_) {
     widths.resize(std::max(widths.size(), row.size()));

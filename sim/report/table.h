@@ -6,7 +6,7 @@
 namespace sim {
 
 /// Returns a number as text with a metric prefix and three digits: "12.3 M", "950", "4.56 mJ". Whole numbers below 1000
-/// stay whole. Without a unit, numbers below 1 are ratios: "0.335".
+/// have no decimals. Without a unit, numbers below 1 have no prefix: "0.335".
 std::string si_text(double value, std::string_view unit = {});
 
 /// Returns a number as text with at most four digits: "4733", "350.0", "12.82 k", "0.1203", "8.46e-05".
@@ -20,14 +20,14 @@ class Table {
 
   /// Adds a row, which may have fewer cells than the header.
   void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  /// Returns the table as text. Every line has a line end and no trailing blanks.
+  /// Returns the table as text. Each line ends with a line feed and has no trailing blanks.
   std::string text() const;
 
  private:
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// Factors by which units of counters are converted to those of reports.
+/// Factors for converting the units of counters to those of reports.
 inline constexpr double kFemtosecondsPerNs = 1e6;
 inline constexpr double kFemtosecondsPerMicrosecond = 1e9;
 inline constexpr double kFemtosecondsPerMillisecond = 1e12;

@@ -19,7 +19,7 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// Throws InputError for a table entry with an unknown name. `fault`: what is wrong, such as "no counter names this
+/// Throws InputError for a table entry with an unknown name. `fault`: the problem, such as "no counter names this
 /// event".
 [[noreturn]] void refuse_entry(std::string_view table, const std::string& name, std::string_view fault,
                                const Names& known) {
@@ -32,8 +32,8 @@ using Names = std::set<std::string>;
 
 std::string whole_entry(std::string_view entry) { return std::string(entry); }
 
-/// Checks that the names of all entries of a table are known. `name_of` returns the name of an entry: all of it, or
-/// event_name_of() where a size may follow.
+/// Throws InputError unless the names of all entries of a table are known. `name_of`: returns the name of an entry,
+/// without a size at the end if the table has sizes.
 void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view fault,
                    const Names& known, std::string (*name_of)(std::string_view) = whole_entry) {
   for (const auto& [entry, value] : entries) {
@@ -87,13 +87,13 @@ void check_unit_names(const AreaConfig& config, std::span<const UnitReport> unit
 
 namespace {
 
-/// The memory array of one kind of unit, and the range of sizes of its curve.
+/// The memory array of one kind of unit, and the range of sizes of its energy or area curve.
 struct Array {
   std::string kind;
   std::uint64_t bytes, least, most;
   auto operator<=>(const Array&) const = default;
 };
-/// Table entries by array, for arrays whose size is outside their curves.
+/// Names of table entries for each memory array whose size is outside its curve.
 using Outside = std::map<Array, std::set<std::string>>;
 
 void add_if_outside(const EnergyTable& table, const std::string& entry, const UnitReport& unit, Outside& outside) {

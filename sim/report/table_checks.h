@@ -11,21 +11,21 @@
 
 namespace sim {
 
-// A table entry that no unit or counter uses is a misspelling. These functions throw InputError for it, with the
+// A table entry that no unit or counter uses is assumed to be misspelt. These functions then throw InputError with the
 // nearest known name.
 
-/// Checks that an energy table lists exactly the events `declared`: all events that counters name, without those of
-/// devices. Throws InputError otherwise.
+/// Throws InputError unless the events in an energy table are exactly `declared`, the events of all counters without
+/// those of devices.
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared);
 
-/// Checks the unit names in an energy table. Tables by unit may contain only the given units, as "<block>.<kind>" or
-/// "<block>"; tables by part, as "<block>.<kind>.<part>" or "<block>.<part>". Throws InputError otherwise.
+/// Checks that an energy table contains only names of the given units and their parts. Names of units are
+/// "<block>.<kind>" or "<block>", those of parts "<block>.<kind>.<part>" or "<block>.<part>". Throws InputError for
+/// other names.
 void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> units);
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units);
 
-/// Returns a warning for every kind of unit whose memory array is smaller or larger than the sizes of its energy or
-/// area curve, so that values are extrapolated. `events`: EnergyConfig::events; `arrays`: AreaConfig::arrays, may be
-/// empty.
+/// Returns a warning for every kind of unit whose memory array has a size outside its energy or area curve, so that
+/// values are extrapolated. `events`: EnergyConfig::events. `arrays`: AreaConfig::arrays; may be empty.
 std::vector<std::string> sizes_outside_curves(std::span<const UnitReport> units,
                                               const std::map<std::string, Band>& events,
                                               const std::map<std::string, Band>& arrays);

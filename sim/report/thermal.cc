@@ -10,12 +10,13 @@ Temperatures ThermalNetwork::steady_temperatures(const HeatFlow& heat) const {
 }
 
 ThermalNetwork::Decay ThermalNetwork::decay_over(double seconds) const {
-  // d/dt of the distances from the steady temperatures is this matrix times them.
+  // The time derivative of the distances from the steady temperatures is this matrix times the distances.
   const double between = 1 / config_.die_resistance;
   const double a = -between / config_.die_capacity, b = -a;
   const double c = between / config_.body_capacity;
   const double d = -(between + 1 / config_.body_resistance) / config_.body_capacity;
-  const double middle = (a + d) / 2, half = std::sqrt((a - d) * (a - d) / 4 + b * c);  // eigenvalues: middle +- half
+  const double middle = (a + d) / 2, half = std::sqrt((a - d) * (a - d) / 4 + b * c);  // eigenvalues of the matrix:
+                                                                                       // middle +- half
   const double slow = std::exp((middle + half) * seconds), fast = std::exp((middle - half) * seconds);
   const double even = (slow + fast) / 2, odd = (slow - fast) / (2 * half);
   return {even + odd * (a - middle), odd * b, odd * c, even + odd * (d - middle)};
@@ -35,7 +36,7 @@ double ThermalNetwork::body_time_constant() const {
 
 std::optional<Temperatures> ThermalNetwork::steady_with_leakage(const HeatFlow& heat, double leakage_w,
                                                                 double nominal_c, double doubling_k) const {
-  constexpr double kRunaway = 1000;  // C
+  constexpr double kRunaway = 1000;  // die temperature that counts as thermal runaway, in C
   constexpr int kMostSteps = 10'000;
   Temperatures at = steady_temperatures(heat);
   for (int i = 0; i < kMostSteps; ++i) {

@@ -7,7 +7,7 @@
 
 namespace sim {
 
-/// Heat path of a device, and its governor: one file of configs/thermal.
+/// Configuration of a device's heat path and its thermal governor: one file of configs/thermal.
 struct ThermalConfig {
   double minutes = 0;
   double ambient = 25;
@@ -43,40 +43,43 @@ struct ThermalConfig {
   }
 };
 
-/// Temperatures of the two nodes of a thermal network, in C.
+/// Temperatures of the two nodes of a ThermalNetwork, die and body, in C.
 struct Temperatures {
   double die = 0, body = 0;
 };
 
-/// Heat that enters each node, in W.
+/// Heat that enters each node of a ThermalNetwork, in W.
 struct HeatFlow {
   double die = 0, body = 0;
 };
 
-/// Thermal network of two nodes: die -- die_resistance -- body -- body_resistance -- air, a capacity at each node.
-/// Not modelled: places on the die, the battery's own heat, radiation (it is part of body_resistance).
+/// Thermal network of two nodes: die -- die_resistance -- body -- body_resistance -- air. Die and body have a heat
+/// capacity. Not modelled: temperature differences on the die, heat of the battery, radiation (part of
+/// body_resistance).
 class ThermalNetwork {
  public:
   explicit ThermalNetwork(const ThermalConfig& config) : config_(config) {}
 
-  /// Returns the temperatures under constant heat after infinite time: ambient + heat x resistance.
+  /// Returns the temperatures after infinite time under constant heat: ambient + heat x resistance.
   Temperatures steady_temperatures(const HeatFlow& heat) const;
 
-  /// Share of a node's distance from its steady temperature that remains after a time, by node of origin.
+  /// Effect of the nodes' initial distances from their steady temperatures after a time: `die_of_body` is the remaining
+  /// distance of the die per degree of initial distance of the body.
   struct Decay {
     double die_of_die = 1, die_of_body = 0, body_of_die = 0, body_of_body = 1;
   };
-  /// Returns the exact decay after any time: the exponential of the network's matrix.
+  /// Returns the exact decay after a time in s: the matrix exponential of the thermal network.
   Decay decay_over(double seconds) const;
-  /// Returns the temperatures after constant heat for the time of `decay`.
+  /// Returns the temperatures after constant heat for the time for which `decay` was computed. `from`: initial
+  /// temperatures.
   Temperatures temperatures_after(const Temperatures& from, const HeatFlow& heat, const Decay& decay) const;
 
-  /// Time constant of each node while the other holds its temperature, in s.
+  /// Time constant of the die while the temperature of the body is constant, in s.
   double die_time_constant() const { return config_.die_resistance * config_.die_capacity; }
   double body_time_constant() const;
 
-  /// Returns the steady temperatures with leakage of `leakage_w` at a die temperature of `nominal_c`, doubling every
-  /// `doubling_k` degrees; none if the temperature runs away.
+  /// Returns the steady temperatures under constant heat plus leakage; nullopt for thermal runaway. The leakage is
+  /// `leakage_w` watts at a die temperature of `nominal_c`, and doubles every `doubling_k` degrees.
   std::optional<Temperatures> steady_with_leakage(const HeatFlow& heat, double leakage_w, double nominal_c,
                                                   double doubling_k) const;
 
