@@ -55,7 +55,7 @@ using AllKernels = std::tuple<
     ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
     ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
-    // A variant for tiles whose samples may have a colour that is not interpolated.
+    // Counts the samples of a tile whose global colour is not faint (undersample).
     CountColoured,
     // Kernels of the reconstruct programs.
     GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,
@@ -66,7 +66,7 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at a lower rate.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
-    // Fused kernels: after all others (hand_counts.h), before their variants.
+    // Fused kernels. Variants of theirs are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,

@@ -19,8 +19,8 @@ struct FusedPorts : Parts::template Ports<V>... {
 ///
 ///   item --> body of the first part --> ... --> body of the last
 ///
-/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). A memory in kRegisters
-/// is read by no other kernel, so it is not stored.
+/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). A memory listed in
+/// kRegisters is read by no other kernel, so its stores are dropped.
 template <class... Parts>
 struct Fused {
   /// Returns the names of the kernels that the fused kernel runs.
@@ -50,7 +50,7 @@ struct Fused {
   }
 };
 
-/// Returns the ports of kernel K, one of the parts of a fused kernel, from the fused kernel's ports.
+/// Returns the subset of a fused kernel's ports that belongs to kernel K, one of its parts.
 template <class K>
 typename K::template Ports<float>& ports_of(typename K::template Ports<float>& fused) {
   return fused;

@@ -12,7 +12,7 @@ namespace kernels {
 // clang-format off
 /// Operations of a kernel's graph: those of the SRP's functional units, and memory accesses.
 enum class Op : std::uint8_t {
-  kInput,     ///< a field of a loaded record (free: its load is counted), or the item index of the loop
+  kInput,     ///< a field of a loaded record (free, because the load is counted), or the loop's item index
   kConstant,  ///< a literal or a uniform, kept in a register during the whole loop
   kAdd, kSub, kMul, kDiv, kSqrt, kMin, kMax, kAbs, kNeg, kFloor,  // 32-bit float
   kIntAdd, kIntSub, kIntMul, kAnd, kOr, kXor, kShiftLeft, kShiftRight,  // 32-bit integer
@@ -24,17 +24,18 @@ enum class Op : std::uint8_t {
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes. Exception: a loop-carried value is a
-/// kInput whose `distance` is not 0, and inputs[0] is the (usually later) node that produced it `distance` items ago.
+/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes, except in a loop-carried value: a kInput
+/// whose `distance` is not 0. There inputs[0] is the node, usually a later one, that produced the value `distance`
+/// items ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};
   std::uint32_t bytes = 0;     ///< size of the record that a load or store accesses
   std::uint32_t distance = 0;  ///< loop-carried input: items between producer and consumer (0: same item)
-  std::uint32_t value = 0;     ///< for kConstant, its 32 bits; for kInput, the byte offset of the field in its record
-  std::string label{};  ///< name in listings, such as "left.normal.x"; for a load or store, the name of the memory
-  std::vector<std::uint32_t> stored{};  ///< for kStoreLocal: nodes of the record's 4-byte values; inputs[0] is its
-                                        ///< index
+  std::uint32_t value = 0;     ///< kConstant: the constant's 32 bits; kInput: byte offset of the field in its record
+  std::string label{};         ///< name in listings, such as "left.normal.x"; loads and stores: name of the memory
+  std::vector<std::uint32_t> stored{};  ///< for kStoreLocal: nodes that produce the stored record's 4-byte values;
+                                        ///< inputs[0] produces the record's index
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
 

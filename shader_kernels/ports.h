@@ -12,7 +12,7 @@
 namespace kernels {
 
 // Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). The classes here are for V =
-// float, where a port is a pointer or a number; recorder.h has those for V = Recorded.
+// float, where a port is a pointer or a number. The classes for V = Recorded are in recorder.h.
 //
 // bind_raw() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
 // array.
@@ -30,11 +30,11 @@ struct Cached;
 /// the cache's address generator finds its one to four lines.
 template <class V>
 struct Texels;
-/// A port for the length of a list to which a kernel appends. A record stored at next_index(keep) stays only if `keep`
-/// is true.
+/// A port for the length of a list to which a kernel appends. If `keep` is false, the next record overwrites the one
+/// stored at next_index(keep).
 template <class V>
 struct Counter;
-/// A port for a value that one item passes to the next.
+/// A port for a loop-carried value, which each item of a kernel passes to the next item.
 template <class V>
 struct Carried;
 
@@ -107,7 +107,7 @@ struct Texels<float> {
     textures = static_cast<const traces::Texture*>(all);
     log = accesses;
   }
-  /// Loads the texels at two opposite corners of a footprint and at the other two. A corner is y << 16 | x.
+  /// Loads the four texels of a bilinear footprint. Two of its opposite corners are given, each as y << 16 | x.
   FootprintRecord<float> load(std::uint32_t texture, std::uint32_t corner0, std::uint32_t corner1) const {
     const std::uint32_t x0 = corner0 & 0xffffU, y0 = corner0 >> 16, x1 = corner1 & 0xffffU, y1 = corner1 >> 16;
     if (log) log->push_back(traces::Access::texels(texture, x0, y0, x1, y1));

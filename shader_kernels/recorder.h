@@ -47,7 +47,7 @@ class Recorder {
   std::map<std::uint32_t, std::uint32_t> literals_;
 };
 
-/// A value while a graph is recorded: a node, or a literal, which becomes a node when it is combined with one.
+/// A value while a graph is recorded: a node or a literal. A literal becomes a node when it is combined with a node.
 struct Value {
   Recorder* recorder = nullptr;
   std::uint32_t node_or_bits = 0;
@@ -75,7 +75,8 @@ struct Reading<Recorded> {
   using Mask = MaskNode;
 };
 
-/// Records operation `op` and returns its result. At least one input is a node; the compiler computes with literals.
+/// Records operation `op` and returns its result. At least one input is a node, because the compiler evaluates
+/// operations on literals.
 template <class Result>
 Result record_op(Op op, const std::derived_from<Value> auto&... in) {
   Recorder* r = nullptr;
@@ -156,7 +157,7 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
   return record;
 }
 
-/// A port while a graph is recorded: its recorder and name.
+/// A port of a kernel whose graph is being recorded: the recorder, and the port's name.
 struct RecordedPort {
   Recorder* recorder = nullptr;
   std::string name;

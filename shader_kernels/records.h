@@ -34,7 +34,8 @@ struct HitRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.t, r.u, r.v, r.triangle)); }
 };
 
-/// A hit in a scene with instances. `u` and `v` contain integers (traces/ray.h).
+/// A hit in a scene with instances. `u` and `v` contain barycentric weights in fixed point, and the number of the
+/// instance (traces/ray.h).
 template <class V>
 struct InstanceHitRecord {
   F<V> t;
@@ -46,20 +47,20 @@ template <class V>
 struct SurfacePointRecord {
   Vec3<V> position;
   I<V> material;
-  Vec3<V> normal;  ///< unit vector, on the side from which the ray came
-  F<V> side;       ///< +1 if the ray came from outside, -1 if from inside
+  Vec3<V> normal;  ///< unit normal of the surface, on the side from which the ray came
+  F<V> side;       ///< +1 if the ray hit the surface from outside, -1 if from inside
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.position, r.material, r.normal, r.side)); }
 };
 
 template <class V>
 struct DiffuseRecord {
   Vec3<V> diffuse;  ///< base colour times the fraction of light that is neither mirrored nor transmitted
-  I<V> classes;     ///< bits of traces::MaterialFlag; each bit has a list of surfaces
+  I<V> classes;     ///< material classes, as bits of traces::MaterialFlag; each class has its own list of surfaces
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.diffuse, r.classes)); }
 };
 
-/// Texture coordinates of a surface. With mip maps the lower half of `texture` is the number of the first level, and
-/// the upper half, as a bfloat16, the footprint of the ray's cone in texture coordinates.
+/// Texture coordinates of a surface. With mip maps the lower half of `texture` is the number of the texture's first
+/// level. Its upper half is the footprint of the ray's cone in texture coordinates, as a bfloat16.
 template <class V>
 struct TexcoordRecord {
   F<V> u, v;
@@ -70,12 +71,12 @@ struct TexcoordRecord {
 /// How a surface mirrors, refracts or passes light.
 template <class V>
 struct SpecularRecord {
-  Vec3<V> mirrored;  ///< fraction of each channel that is mirrored at any angle
+  Vec3<V> mirrored;  ///< fraction of light that is mirrored at any angle, per channel
   F<V> entering;     ///< fraction of light that Fresnel's law divides between mirrored and refracted
   Vec3<V> tint;      ///< base colour, by which refracted light is multiplied
   F<V> ior;
   F<V> alpha;  ///< opacity of a blended surface; the remaining light passes straight through
-  F<V> kept;   ///< fraction of the surface's own emission that leaves it
+  F<V> kept;   ///< factor of the surface's own emission: the alpha of a blended surface, otherwise 1
   static void fields(auto& r, auto&& field) {
     name_all(field, NAMED_ALL(r.mirrored, r.entering, r.tint, r.ior, r.alpha, r.kept));
   }
@@ -84,13 +85,13 @@ struct SpecularRecord {
 /// Tangent and second texture coordinates of a surface with vertex detail.
 template <class V>
 struct TangentRecord {
-  Vec3<V> tangent;  ///< has length about 1, or 0 if the surface has no tangent
+  Vec3<V> tangent;  ///< tangent of length about 1, or 0 if the surface has none
   F<V> handedness;  ///< sign of the bitangent
   F<V> u, v;        ///< second texture coordinates
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.tangent, r.handedness, r.u, r.v)); }
 };
 
-/// Geometry of a sample's first hit, which is compared with that of neighbours. A miss has kNoObject and the normal (0,
+/// Geometry of a sample's first hit, for comparison with neighbouring samples. A miss has kNoObject and the normal (0,
 /// 0, 1), so that two misses are equal.
 template <class V>
 struct GeometryRecord {
@@ -103,7 +104,7 @@ struct GeometryRecord {
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// What supersample compares of a hit: a GeometryRecord without position, with a count of shadows.
+/// Data of a hit that supersample compares: a GeometryRecord without position, with a count of shadows instead of bits.
 template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
@@ -111,7 +112,8 @@ struct TraitsRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.shadows)); }
 };
 
-/// Identifies which secondary hit of a sample has the largest weight: that weight, and a checksum of its position.
+/// Identifies the secondary hit of a sample whose ray has the largest weight, by that weight and a checksum of the
+/// hit's position.
 template <class V>
 struct BranchRecord {
   F<V> weight, position_sum;
@@ -138,7 +140,7 @@ struct SecondaryRecord {
 template <class V>
 struct VisibleRecord {
   Vec3<V> normal;  ///< shading normal; unit z for a miss
-  F<V> depth;      ///< depth divided by the filter's unit; also kMissDepth, kNoBranchDepth
+  F<V> depth;      ///< depth of the hit in units of the filter, or kMissDepth, or kNoBranchDepth
   I<V> shadows;    ///< one bit for each light source whose shadow ray was blocked
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth, r.shadows)); }
 };
@@ -146,23 +148,23 @@ struct VisibleRecord {
 // picture. They are so far from all others that the filter weight is 0.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 
-/// The visible fraction of a light source at a sample: the light that its shadow rays contributed, divided by the light
-/// if none were blocked.
+/// The visible fraction of a light source at a sample: the light that the shadow rays contributed, divided by what they
+/// would contribute if none were blocked.
 template <class V>
 struct RatioRecord {
   Vec3<V> rgb;
-  F<V> found;  ///< about 1 if the sample emitted rays, otherwise 0
+  F<V> found;  ///< about 1 if the sample emitted rays to the light source, otherwise 0
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.rgb, r.found)); }
 };
 
 /// Surface of a sample's first hit, for samples that are interpolated before they are shaded.
 template <class V>
 struct SurfaceRecord {
-  Vec3<V> diffuse;  ///< base colour times all its textures except a kTextured one
+  Vec3<V> diffuse;  ///< diffuse colour after all textures except that of kTextured surfaces, which is applied later
   I<V> classes;
   Vec3<V> plane;  ///< unit normal of the triangle's plane, on the side from which the ray came
   F<V> u, v;
-  I<V> texture;  ///< the texture word of a TexcoordRecord
+  I<V> texture;  ///< same contents as TexcoordRecord::texture
   I<V> material;
   static void fields(auto& r, auto&& field) {
     name_all(field, NAMED_ALL(r.diffuse, r.classes, r.plane, r.u, r.v, r.texture, r.material));
@@ -289,12 +291,12 @@ struct AxisRecord {
 /// Parameters with which a lookup finds the mip level of a texture.
 template <class V>
 struct LevelRecord {
-  F<V> size;     ///< side in texels of a square of the texture's area; times root 2 if the nearest level is read
+  F<V> size;     ///< square root of the texture's area in texels; times root 2 if lookups read the nearest level
   F<V> highest;  ///< 2 to the power of the number of the last level
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.size, r.highest)); }
 };
 
-/// Linear value of an 8-bit sRGB code, an entry of the table of 256.
+/// Linear value of an 8-bit sRGB code; an entry of a table with 256 of them.
 template <class V>
 struct SrgbCodeRecord {
   F<V> linear;

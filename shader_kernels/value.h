@@ -115,5 +115,6 @@ constexpr void name_all(auto&& f, std::type_identity_t<MemberNames<sizeof...(Mem
 
 }  // namespace kernels
 
-/// Expands to the text of a list of members and the members: name_all(port, NAMED_ALL(p.rays, p.hits)).
+/// Expands to two arguments of name_all(), the text of a list of members and the members: name_all(port,
+/// NAMED_ALL(p.rays, p.hits)).
 #define NAMED_ALL(...) std::string_view(#__VA_ARGS__), __VA_ARGS__

@@ -8,7 +8,7 @@ template <class V>
 struct DivMod {
   F<V> quotient, remainder;
 };
-/// Divides small counts (below 2^20) in floating point. `inverse` is 1 / divisor.
+/// Returns quotient and remainder of two integers below 2^20, computed in floating point. `inverse` is 1 / divisor.
 template <class V>
 DivMod<V> div_mod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
@@ -86,7 +86,7 @@ struct Weights {
   Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
     return a * first + b * second + c * third;
   }
-  /// Interpolates integers, which are converted to floats first.
+  /// Interpolates the integer values at a triangle's corners, which are converted to floats first.
   F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
     return interpolate(to_float(a), to_float(b), to_float(c));
   }

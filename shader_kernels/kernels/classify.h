@@ -28,14 +28,14 @@ struct ClassifyHits {
   }
 };
 
-/// Appends surface `slot` to the list `stream` if `bit` is set in its classes.
+/// Appends the surface in ray slot `slot` to the list `stream` if `bit` is set in its material classes.
 template <class V>
 void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit,
                          const Local<V, WordRecord>& stream, Counter<V>& count) {
   stream.store(count.next_index(has_class<V>(classes, bit)), {slot});
 }
 
-/// Appends each surface to the list of each material class that it has.
+/// Sorts surfaces by material: each one is appended to the list of each of its material classes.
 struct ClassifySurfaces {
   static constexpr std::string_view kName = "classify_surfaces";
   static constexpr std::string_view kMeaning = "surface -> streams textured, diffuse, mirror, glass, emissive";
@@ -62,7 +62,8 @@ struct ClassifySurfaces {
   }
 };
 
-/// Appends each surface to the lists of the rarer material classes. Launched only if the scene has such a class.
+/// Sorts surfaces by the rarer material classes: each one is appended to the list of each such class that it has.
+/// Launched only if the scene has such a class.
 struct ClassifyDetails {
   static constexpr std::string_view kName = "classify_details";
   static constexpr std::string_view kMeaning = "surface -> streams absorbing, vertexed, based, physical, bumped, ...";
@@ -94,8 +95,8 @@ struct ClassifyDetails {
   }
 };
 
-/// Lists interpolated surfaces with an occlusion texture. Other details need no list, because the interpolated records
-/// already contain their results.
+/// Lists interpolated surfaces with an occlusion texture. Other texture details need no list, because the interpolated
+/// records already contain their results.
 struct ClassifyOccluded {
   static constexpr std::string_view kName = "classify_occluded";
   static constexpr std::string_view kMeaning = "interpolated surface -> stream occluded";
@@ -116,7 +117,8 @@ struct ClassifyOccluded {
   }
 };
 
-/// True if a hit must be tested for transparency. `solid` is the largest triangle word that needs no test.
+/// True if a hit must be tested for transparency. `solid` is the largest triangle word (flags and index) that needs no
+/// test.
 template <class V>
 M<V> needs_transparency_test(const I<V>& triangle, const I<V>& solid) {
   return logical_and(solid < triangle, triangle < traces::kNoHit);

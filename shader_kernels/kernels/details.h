@@ -9,8 +9,8 @@
 
 namespace kernels {
 
-/// Dims a ray by the absorption of the body that it has passed. Nearest-hit rays have unit directions, so `t` is a
-/// distance.
+/// Reduces the throughput of a path by the absorption of the medium that its ray has crossed. Nearest-hit rays have
+/// unit directions, so the hit's `t` is the distance.
 struct Absorb {
   static constexpr std::string_view kName = "absorb";
   static constexpr std::string_view kMeaning = "surface of an absorbing body -> path dimmed if it was met from inside";
@@ -40,7 +40,7 @@ struct Absorb {
 };
 
 /// Multiplies a surface's base colour by its base texture, in the cases that shade_textured excludes: second texture
-/// coordinates, a used alpha, or mirror or glass terms that depend on the colour.
+/// coordinates, a texture whose alpha is used, or mirror or glass terms that depend on the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName =
@@ -73,9 +73,9 @@ struct ShadeBase {
   }
 };
 
-/// Applies a metal-roughness texture per texel, with the rule of traces/scene/gltf/materials.h: it computes how much
-/// light the surface mirrors, in which colour, and how much remains. The input surface has its full base colour as
-/// diffuse colour, and transmits light as if it mirrored none.
+/// Applies a metal-roughness texture with the rule of traces/scene/gltf/materials.h: computes how much light the
+/// surface mirrors, in which colour, and how much remains. The input surface has its full base colour as diffuse
+/// colour, and transmits light as if it mirrored none.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
   static constexpr std::string_view kName =
@@ -170,7 +170,8 @@ struct ShadeBump {
   }
 };
 
-/// Scales the light that a blended surface reflects by its alpha. shade_straight continues the ray with the rest.
+/// Scales the light that a blended surface reflects by its alpha. The kernel shade_straight continues the ray with the
+/// remaining light.
 struct ShadeBlend {
   static constexpr std::string_view kName = "shade_blend";
   static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";
@@ -229,7 +230,8 @@ struct ShadeGlow {
   }
 };
 
-/// Subtracts the ambient light that a surface's occlusion texture removes; shade_ambient has added all of it.
+/// Subtracts the ambient light that a surface's occlusion texture removes. The kernel shade_ambient has added ambient
+/// light without it.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =

@@ -13,11 +13,11 @@
 
 namespace kernels {
 
-/// Uniforms from which a kernel computes a random point in the unit square, one launch per ray of an effect. The rays
-/// of one surface cover the square evenly; a hash shifts their pattern from surface to surface.
+/// Uniforms from which a launch computes a random point in the unit square; each ray of an effect has its own launch.
+/// The rays of one surface cover the square evenly; a hash shifts their pattern from surface to surface.
 template <class V>
 struct RandomPointUniforms {
-  F<V> x, y;  ///< the point of this launch's ray, before the shift
+  F<V> x, y;  ///< point in the unit square of this launch's ray, before the hash shifts it
   I<V> seed;  ///< hash seed; differs between frames and between effects
   static constexpr void describe(auto& d, auto&& port) {
     port(d.x, "draw.x");
@@ -43,7 +43,7 @@ UnitPoint<V> random_point_in_square(const Vec3<V>& hit_direction, const RandomPo
   return {x - floor(x), y - floor(y)};
 }
 
-/// Returns the sine of an angle given in half turns, -1 to 1. It consists of two parabolas; the error is below 0.0012.
+/// Returns the sine of an angle in half turns, -1 to 1, approximated by two parabolas. The error is below 0.0012.
 template <class V>
 F<V> sin_half_turns(const F<V>& half_turns) {
   const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
@@ -100,9 +100,9 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   }
 };
 
-/// Emits soft-shadow rays; it replaces shade_diffuse, with one launch per light and ray. A ray goes to a point of the
-/// light's disc and ends one radius before it, so that the lamp's own geometry cannot block it. The light is computed
-/// for the disc's centre. With kShareAlone a ray carries the visible fraction of the light instead of the light.
+/// Emits soft-shadow rays, with one launch per light and ray; replaces shade_diffuse. A ray goes to a point of the
+/// light's disc and ends one radius before it, so that the lamp's own geometry cannot block the ray. The light is
+/// computed for the disc's centre. With kShareAlone a ray carries its fraction of the light source instead of light.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
@@ -115,7 +115,7 @@ struct ShadeDisc {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Emits the ray of surface `slot` if `mask` holds.
+  /// Emits a soft-shadow ray from the surface in ray slot `slot` if `mask` is true.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const SurfacePointRecord<V> point = io.points.load(slot);
@@ -162,8 +162,9 @@ struct CastAmbientPorts {
   }
 };
 
-/// Emits ambient-occlusion rays; it replaces shade_ambient, with one launch per ray. Directions are cosine-distributed,
-/// so all rays weigh the same. With kShareAlone a ray carries a fraction of the ambient light instead of the light.
+/// Emits ambient-occlusion rays, with one launch per ray of a surface; replaces shade_ambient. Directions are
+/// cosine-distributed, so all rays have the same weight. With kShareAlone a ray carries a fraction of the ambient light
+/// instead of the light.
 template <bool kShareAlone>
 struct CastAmbient {
   static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";
@@ -172,7 +173,7 @@ struct CastAmbient {
                                                    : "diffuse surface -> ray that brings a share of its ambient light";
   template <class V>
   struct Ports : CastAmbientPorts<V> {
-    F<V> share;  ///< fraction that one ray carries; bound if kShareAlone
+    F<V> share;  ///< fraction of the ambient light that one ray carries; used only if kShareAlone
     static constexpr void describe(auto& p, auto&& port) {
       CastAmbientPorts<V>::describe(p, port);
       if constexpr (kShareAlone) port(NAMED(p.share));
@@ -182,7 +183,7 @@ struct CastAmbient {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Emits the ray of surface `slot` if `mask` holds.
+  /// Emits an occlusion ray from the surface in ray slot `slot` if `mask` is true.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const SurfacePointRecord<V> point = io.points.load(slot);
@@ -214,7 +215,7 @@ I<V> effect_rays_skipped(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
-/// Lists the samples that emit effect rays. Samples of the tile buffer are pixels.
+/// Lists the samples that emit rays for effects at a lower rate. In the tile buffer each sample is one pixel.
 template <bool kCheckerboard>
 struct SelectEffects {
   static constexpr std::string_view kName = kCheckerboard ? "select_effects_checkerboard" : "select_effects";
@@ -243,7 +244,7 @@ struct SelectEffects {
   }
 };
 
-/// Clears the stored light and the visible fraction of a sample, in one of several `layers` (one for each light).
+/// Clears the stored light of a sample and its visible fraction, before rays are traced. One launch per light.
 struct ClearEffects {
   static constexpr std::string_view kName = "clear_effects";
   static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";
@@ -266,8 +267,8 @@ struct ClearEffects {
   }
 };
 
-/// Adds the result of an effect ray to its sample unless the ray was blocked. The ray carries a fraction instead of
-/// light.
+/// Adds the fraction of a light source that an effect ray carries to its sample's visible fraction, unless the ray was
+/// blocked.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
   static constexpr std::string_view kMeaning =
@@ -296,7 +297,7 @@ struct CombineRatio {
 inline constexpr float kUnlikeWeight = 1e-4F;
 
 /// Adds the light of one light source to all pixels that a tile finishes. A pixel that emitted no rays uses the mean
-/// visible fraction of up to four neighbours that did, weighted by the similarity of reconstruct.
+/// visible fraction of up to four neighbours that did, weighted by the similarity measure of the program reconstruct.
 template <bool kCheckerboard>
 struct UpsampleEffects {
   static constexpr std::string_view kName = kCheckerboard ? "upsample_effects_checkerboard" : "upsample_effects";
@@ -312,7 +313,7 @@ struct UpsampleEffects {
     Local<V, ColourRecord> colours;
     F<V> x0, y0;  ///< picture position of the first pixel that the tile finishes
     F<V> bend;
-    I<V> apart;  ///< offset from a sample to its record in this light's layer
+    I<V> apart;  ///< offset from the number of a sample to that of its record for this light source
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.lights, p.ratios, p.colours, p.x0, p.y0, p.bend, p.apart));
@@ -335,7 +336,7 @@ struct UpsampleEffects {
   }
 
  private:
-  /// The step from a pixel to another one in its row or column.
+  /// Offset in samples from a pixel to another one of its row or column; 0 if the other one is outside the picture.
   template <class V>
   struct Step {
     F<V> samples;
@@ -353,7 +354,7 @@ struct UpsampleEffects {
                                              Ports<V>& io) {
     const FinishedUniforms<V>& tile = io.finished;
     F<V> left = -1.0F, right = 1.0F, above = -1.0F, below = 1.0F;
-    if constexpr (!kCheckerboard) {  // in columns and rows whose pixels emit rays, the step is 0
+    if constexpr (!kCheckerboard) {  // the step is 0 in columns and rows whose pixels emit rays
       right = to_float(to_int(io.x0 + pixel.remainder) & 1U);
       below = to_float(to_int(io.y0 + pixel.quotient) & 1U);
       left = -right;

@@ -17,8 +17,8 @@ namespace kernels {
 
 // Fused kernels (shader_kernels/fusion.h). With render.fusion they are launched instead of their parts.
 
-// Surface kernels. They fetch and classify a surface, and add ambient light and the first light if no other kernel runs
-// between.
+// Surface kernels. They fetch and classify a surface. They also add ambient light and the first light, if no other
+// kernel must run in between.
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
@@ -27,7 +27,7 @@ struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
 
-/// Parts that classify a surface and light it, for surfaces whose texture details have been applied.
+/// Parts of fused kernels that classify and light a surface whose texture details have been applied.
 template <class... Record>
 using Lit = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
 
@@ -55,7 +55,7 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
   static constexpr std::string_view kMeaning = "light_surface, record_secondary";
 };
 
-/// Parts that fetch a surface, classify it and light it, for scenes without texture details.
+/// Parts of fused kernels that fetch, classify and light a surface, for scenes without texture details.
 template <bool kInstanced, bool kCones, class... Record>
 using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
                             ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
@@ -192,7 +192,7 @@ struct RecordCounted : Fused<RecordGlobal, CountColoured> {
   static constexpr std::string_view kMeaning = "record_global, count_coloured";
 };
 
-/// Stores a pixel and the identity of its sample, with which post-correction starts.
+/// Stores a pixel with one sample, and the identity of that sample for the first scan of post-correction.
 template <bool kShadows>
 struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
   using Identities = StoreIdentities<kShadows>;
@@ -247,7 +247,7 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
-/// Fetches a surface without details and records its light for upsampling.
+/// Fetches a surface without texture details and records its normal and depth, which the upsampling filter compares.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
   static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(

@@ -29,8 +29,8 @@ struct GeneratePorts {
 /// Position of a sample: its pixel in the picture, and its cell in the pixel's sample grid.
 template <class V>
 struct SamplePosition {
-  F<V> x, y;         ///< pixel in the picture
-  F<V> column, row;  ///< cell of the sample grid in the pixel
+  F<V> x, y;         ///< position of the pixel in the picture
+  F<V> column, row;  ///< the sample's cell in the sample grid of the pixel
   F<V> number;       ///< number of the cell in its pixel, row by row
 };
 template <class V>
@@ -147,7 +147,7 @@ struct ListSamples {
   }
 };
 
-/// Generates the primary rays of listed samples. They equal those of generate_rays.
+/// Generates the primary rays of listed samples. The rays equal those of generate_rays.
 struct GenerateListedRays {
   static constexpr std::string_view kName = "generate_listed_rays";
   static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
@@ -176,8 +176,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four primary rays for each sub-pixel that needs more samples. They are the pixel's jittered samples in
-/// that quarter, equal to those of generate_jittered_rays with 16 samples per pixel.
+/// Generates four primary rays for each sub-pixel that needs more samples. The rays are those of generate_jittered_rays
+/// with 16 samples per pixel that are in that quarter of the pixel.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
@@ -188,7 +188,7 @@ struct GenerateExtraRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels per row of the tile
+    F<V> x0, y0, width, inverse_width;  ///< picture position of the first finished pixel; pixels per row of the tile
     F<V> first_sample;                  ///< index in `colours` of the first sample that this kernel generates
     I<V> image_width, seed;
     static constexpr void describe(auto& p, auto&& port) {
@@ -231,13 +231,14 @@ struct VisibleRayPorts {
   }
 };
 
-/// Returns the geometry record of a ray that hits nothing.
+/// Returns the geometry record that reconstruct keeps of a ray that hits nothing.
 template <class V>
 VisibleRecord<V> visible_miss_record() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
-/// Stores the primary ray of `sample` in ray slot `item`. It goes through point (x, y) of the pixel, each from 0 to 1.
+/// Stores the primary ray of `sample` in ray slot `item`. The ray goes through point (x, y) of the pixel; x and y are
+/// from 0 to 1.
 template <class V>
 void emit_ray_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y,
                        auto& io) {
@@ -255,7 +256,7 @@ void emit_visible_ray(const I<V>& item, const I<V>& pixel, const I<V>& sample, c
   io.visible.store(sample, visible_miss_record<V>());
 }
 
-/// One of a pixel's three samples that are not shaded.
+/// One of a pixel's three samples of which reconstruct finds only the geometry, without shading them.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;
@@ -301,7 +302,7 @@ struct GenerateCentredRays {
   }
 };
 
-/// Generates the primary rays of a pixel's samples that are not shaded, three items per pixel.
+/// Generates the primary rays of the samples that reconstruct does not shade, three items per pixel.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";
   static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";
@@ -321,7 +322,7 @@ struct GenerateVisibleRays {
   }
 };
 
-/// Clears the records of mirrored or refracted hits of a pixel's samples: no sample has such a hit yet.
+/// Clears the records of mirrored or refracted hits of a pixel's samples, before rays are traced.
 struct ClearBranch {
   static constexpr std::string_view kName = "clear_branch";
   static constexpr std::string_view kMeaning = "pixel -> its samples see nothing by a mirror, or through glass";
@@ -329,7 +330,7 @@ struct ClearBranch {
   struct Ports {
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours;
-    LatticeUniforms<V> lattice;  ///< index of the mirrored or refracted samples
+    LatticeUniforms<V> lattice;  ///< indices of the mirrored or refracted samples
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.visible, p.colours));

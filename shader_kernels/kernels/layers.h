@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Ports of kernels that test possibly transparent hits. A continuing ray begins just after the hit of its slot's ray.
+/// Ports of kernels that test possibly transparent hits. If a ray passes, a new ray begins just after the hit.
 /// kColoured: the scene has vertex records with colours and second texture coordinates.
 template <class V, bool kColoured, bool kInstanced>
 struct LayerPorts {
@@ -18,14 +18,14 @@ struct LayerPorts {
   Hits<V, kInstanced> hits;
   Attributes<V> attributes;
   Materials<V> materials;
-  Vertices<V> vertices;  ///< bound if kColoured
+  Vertices<V> vertices;  ///< used only if kColoured
   Table<V, AxisRecord> axes;
   Texels<V> texels;
   Local<V, RayRecord> next_rays;
   Local<V, WordRecord> targets;  ///< ray slots that receive the hits of the continuing rays
   Counter<V> emitted;
-  F<V> epsilon, min_weight;  ///< a path with a smaller weight than min_weight ends
-  I<V> white;                ///< texture that replaces the missing base texture of a material
+  F<V> epsilon, min_weight;  ///< a path ends if its weight is below min_weight
+  I<V> white;                ///< number of the white texture that is read if a material has no base texture
   static constexpr void describe(auto& p, auto&& port) {
     name_all(port, NAMED_ALL(p.layers, p.rays, p.hits, p.attributes, p.materials));
     if constexpr (kColoured) port(NAMED(p.vertices));
@@ -38,7 +38,7 @@ template <class V>
 struct Layer {
   MaterialFields<V> material;
   TexelSample<V> base;
-  VertexColour<V> colour;  ///< set if kColoured
+  VertexColour<V> colour;  ///< interpolated vertex colour; set only if kColoured
   F<V> alpha;
 };
 
@@ -65,7 +65,7 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& io, const HitRe
   return {m, base, colour, alpha * base.linear_channel(3)};
 }
 
-/// Emits a ray that continues the ray of `slot` after its hit at distance `t`, if `onwards` holds. The new ray begins
+/// Emits a ray that continues the ray of `slot` after its hit at distance `t`, if `onwards` is true. The new ray begins
 /// slightly more than a rounding error after the hit, so that it also passes other surfaces at the same distance.
 template <class V, bool kColoured, bool kInstanced>
 void continue_ray(LayerPorts<V, kColoured, kInstanced>& io, const M<V>& onwards, const I<V>& slot,
@@ -112,8 +112,8 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
 };
 
 /// Tests how much light of a shadow ray passes a transparent surface, and continues the ray if enough does. A mask
-/// passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies by its transmission and base colour; the
-/// ray is not bent, as it would miss the light source.
+/// passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies the light by its transmission and base
+/// colour. It does not bend the ray, which would then miss the light source.
 template <bool kColoured, bool kInstanced>
 struct TestShadow {
   static constexpr std::string_view kName =
@@ -144,7 +144,7 @@ struct TestShadow {
   }
 };
 
-/// Stores the hits of continued rays in their original slots, and lists those to be tested in the next round.
+/// Stores the hits of continued rays in the slots of the original rays, and lists those to be tested in the next round.
 struct ScatterLayers {
   static constexpr std::string_view kName = "scatter_layers";
   static constexpr std::string_view kMeaning = "continuing ray -> its hit into the slot of the ray that it continues";

@@ -20,10 +20,10 @@ template <class V>
   colours.store(sample, {colours.load(sample).rgb + light});
 }
 
-/// A mask that holds for every item.
+/// A mask that is true for every item of a kernel.
 struct AllItems {};
 
-/// Returns `value` if the mask holds, otherwise 0.
+/// Returns `value` if the mask is true, otherwise 0.
 template <class V>
 Vec3<V> masked_value(AllItems, const Vec3<V>& value) {
   return value;
@@ -41,7 +41,7 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Material classes that delay the lighting of a surface: their kernels change its base colour, or add or remove light
+/// Material classes that delay the lighting of a surface. Their kernels change its base colour, or add or remove light
 /// before or between the scene's lights.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
@@ -53,7 +53,7 @@ M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
 }
 
-/// Runs kernel K over the list of all surfaces, and acts on those that can be lit immediately. K itself is written for
+/// Runs kernel K over the list of all surfaces, but lights only those that can be lit immediately. K alone runs over
 /// the list of diffuse surfaces.
 template <class K>
 struct ImmediateLit {
@@ -101,7 +101,7 @@ struct ListDeferred {
 /// in glTF's KHR_lights_punctual.
 template <class V>
 struct DiffuseLight {
-  Vec3<V> to_light;  ///< not normalised: the light source is at t = 1
+  Vec3<V> to_light;  ///< direction to the light source, not normalised: the source is at t = 1
   F<V> inverse_distance;
   Vec3<V> light;  ///< light including the path's throughput; no channel is above 0 if the surface faces away
 };
@@ -140,8 +140,8 @@ struct ShadeBackground {
   }
 };
 
-/// Multiplies a surface's base colour by its base texture. It handles first texture coordinates and an unused alpha;
-/// shade_base handles the other cases.
+/// Multiplies a surface's base colour by its base texture. It handles textures that use the first texture coordinates
+/// and no alpha; shade_base handles the others.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =
@@ -225,7 +225,7 @@ struct ShadeAmbient {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Adds the light of surface `slot` if `mask` holds.
+  /// Adds the ambient light at the surface in ray slot `slot` to its sample if `mask` is true.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const PathRecord<V> path = io.paths.load(slot);
@@ -262,7 +262,7 @@ struct ShadeDiffuse {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Emits the shadow ray of surface `slot` if `mask` holds.
+  /// Emits the shadow ray of the surface in ray slot `slot` if `mask` is true.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const SurfacePointRecord<V> point = io.points.load(slot);
@@ -301,7 +301,7 @@ struct ShadeOpen {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Adds the light of surface `slot` if `mask` holds.
+  /// Adds the light of one light source at the surface in ray slot `slot` to its sample if `mask` is true.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const PathRecord<V> path = io.paths.load(slot);
@@ -338,7 +338,8 @@ struct ShadeVisible {
   static void body(const I<V>& item, Ports<V>& io) {
     shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
-  /// Adds the light of surface `slot` if `mask` holds.
+  /// Adds the light of one light source at the surface in ray slot `slot` to its sample, if `mask` is true and the
+  /// surface is not in shadow.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
     const PathRecord<V> path = io.paths.load(slot);

@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// Averages the samples of a pixel: each is added to a running sum, which the pixel's last sample turns into the mean.
+/// Averages the samples of a pixel. Each one is added to a running sum; the pixel's last sample divides the sum.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
@@ -64,7 +64,7 @@ struct AverageSamples {
   }
 };
 
-/// Replaces average_colour for pixels with one sample: clamps it.
+/// Replaces average_colour for pixels with one sample: clamps the sample's colour.
 struct TakeSample {
   template <class V>
   struct Ports {
@@ -82,7 +82,7 @@ struct TakeSample {
   }
 };
 
-/// Replaces average_samples for pixels with one sample: clamps it.
+/// Replaces average_samples for pixels with one sample: clamps the sample's colour.
 struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {

@@ -14,7 +14,8 @@
 
 namespace kernels {
 
-/// Position of the eye, and the viewing direction. The length of the direction is the unit of depth.
+/// Position of the eye, and the viewing direction. The length of that vector is the number of depth units per unit of
+/// length.
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
@@ -50,8 +51,8 @@ struct RecordVisible {
   }
 };
 
-/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. The sample collects the
-/// light and geometry of that ray; its geometry begins as a miss.
+/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. The new sample collects
+/// the light and geometry of that ray; its geometry begins as a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -73,7 +74,7 @@ struct BeginBranch {
   }
 };
 
-/// Records the geometry of a mirrored or refracted hit. Its depth is the distance along that ray.
+/// Records the geometry of a mirrored or refracted hit. The recorded depth is the distance along that ray.
 struct RecordBranchVisible {
   static constexpr std::string_view kName = "record_branch_visible";
   static constexpr std::string_view kMeaning =
@@ -106,7 +107,7 @@ struct RecordBranchVisible {
 /// differ. dz is the difference of depths, which are already scaled by the filter's factor; n are the normals.
 template <class V>
 struct Similarity {
-  F<V> depth, normal;  ///< exponents of the weight by depth and by normal
+  F<V> depth, normal;  ///< exponents of the weight, due to depth and due to normals
   M<V> same_shadows;
   Similarity(const VisibleRecord<V>& a, const VisibleRecord<V>& b, const F<V>& bend)
       : depth(b.depth - a.depth),
@@ -118,9 +119,9 @@ struct Similarity {
   F<V> filter_weight() const { return select(same_shadows, exp_negative<V>(depth + normal), F<V>(0.0F)); }
 };
 
-/// Sum of exponents at which a weight is one half.
+/// Sum of exponents at which a filter weight is one half (ln 2).
 inline constexpr float kHalved = 0.69314718F;
-/// Smallest sum of weights that counts; a pixel with less has no similar sample.
+/// Smallest sum of filter weights that counts; a sample with less has no similar shaded sample.
 inline constexpr float kLeastWeight = 1e-30F;
 
 /// True if the sample had a mirrored or refracted ray, whether it hit something or not.
@@ -149,7 +150,7 @@ class ShadedAround {
   }
 
  private:
-  /// Offset from a sample to the one in another column or row; 0 if that is outside the picture.
+  /// Offset from a sample to that of another column or row; 0 if the other one is outside the picture.
   struct Step {
     F<V> samples;
     M<V> inside;
@@ -167,7 +168,7 @@ class ShadedAround {
     return [&]<std::size_t... n>(std::index_sequence<n...>) { return Steps{step(n)...}; }
     (std::make_index_sequence<2 * kRadius>{});
   }
-  /// Returns the index in Steps of column or row `n` of the square.
+  /// Returns the index in Steps of column or row `n` of the square. The middle one, kRadius, has no entry.
   static constexpr std::uint32_t step_index(std::uint32_t n) { return n < kRadius ? n : n - 1; }
 
   const Steps columns_, rows_;
@@ -221,7 +222,7 @@ struct Reconstruct {
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
-    Local<V, WordRecord> masters;  ///< listed pixels; bound if kBranch, as is `branch`
+    Local<V, WordRecord> masters;  ///< listed pixels; like `branch`, used only if kBranch
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours, pixels;
     F<V> bend, branch;
@@ -251,7 +252,7 @@ struct Reconstruct {
   }
 
  private:
-  /// One shaded sample, with its weight for each of the pixel's four samples.
+  /// One shaded sample that the filter reads, with its weight for each of the pixel's four samples.
   template <class V>
   struct Tap {
     Vec3<V> colour;
@@ -298,7 +299,7 @@ struct Reconstruct {
     return sum;
   }
 
-  /// Returns, for each of the pixel's samples, its fraction of the pixel divided by its sum of weights.
+  /// Returns for each of the pixel's four samples 1/4 divided by its sum of filter weights (r_i in the formula).
   template <class V>
   static std::array<F<V>, kGeometrySamples> sample_fractions(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
     std::array<F<V>, kGeometrySamples> shares;
@@ -316,7 +317,7 @@ struct Reconstruct {
     return shares;
   }
 
-  /// Returns the shaded sample of the pixel itself, with its weights.
+  /// Returns the shaded sample of the pixel itself, with its filter weights.
   template <class V>
   static Tap<V> weigh_own_sample(const Own<V>& own, Ports<V>& io) {
     Tap<V> out{io.colours.load(own.shaded).rgb, {}};
@@ -327,7 +328,8 @@ struct Reconstruct {
     return out;
   }
 
-  /// Returns the shaded sample of another pixel, at `index`, with its weights; all are 0 unless `inside` holds.
+  /// Returns the shaded sample of another pixel, at `index`, with its filter weights. All weights are 0 if `inside` is
+  /// false.
   template <class V>
   static Tap<V> weigh_other_sample(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& io) {
     const I<V> sample = to_int(index);
@@ -342,7 +344,7 @@ struct Reconstruct {
 };
 
 /// Lists the pixels whose colour changes where the geometry does not, such as at texture edges, which the filter would
-/// blur. A pixel is listed if the contrast (Mitchell 1987) among itself and the similar ones of 3 x 3 reaches
+/// blur. A pixel is listed if its contrast (Mitchell 1987) with the similar pixels among its eight neighbours reaches
 /// `threshold` in a channel. Each layer (surface, mirrored, refracted) is tested.
 template <std::uint32_t kBranches>
 struct ListContrasts {
@@ -359,7 +361,7 @@ struct ListContrasts {
     Local<V, WordRecord> masters;
     Counter<V> masters_count;
     F<V> bend, threshold;
-    F<V> branch;  ///< offset from a sample to its sample of the next branch; bound if there are branches
+    F<V> branch;  ///< offset from a sample to its sample of the next layer of light; used only if kBranches > 0
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.colours, p.masters, p.masters_count, p.bend, p.threshold));
@@ -413,7 +415,7 @@ struct ListContrasts {
   }
 };
 
-/// Generates the primary rays of the three samples of a listed pixel that are not shaded yet.
+/// Generates the primary rays of those three samples of a listed pixel that are not shaded yet.
 struct GenerateContrastRays {
   static constexpr std::string_view kName = "generate_contrast_rays";
   static constexpr std::string_view kMeaning = "sample of a listed pixel that is not shaded yet -> primary ray";
@@ -459,7 +461,7 @@ struct AverageContrasts {
     Local<V, ColourRecord> colours, pixels;
     FinishedUniforms<V> finished;
     I<V> apart;
-    I<V> branch;  ///< offset from a sample to its sample of the next branch; bound if there are branches
+    I<V> branch;  ///< offset from a sample to its sample of the next layer of light; used only if kBranches > 0
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.masters, p.colours, p.pixels));
       FinishedUniforms<V>::describe(p.finished, port);
@@ -499,7 +501,7 @@ struct LimitColours {
   struct Ports {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;
-    I<V> branch;  ///< offset from a sample to its sample of the next branch
+    I<V> branch;  ///< offset from a sample to its sample of the next layer of light (mirrored, refracted)
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);

@@ -91,11 +91,12 @@ struct ClearSurface {
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// Records that contain a hit's object: those of triangles, which the intersection unit has just read, or of instances.
+/// Port of the records that contain the object id of a hit: the triangles, which the intersection unit has just read,
+/// or with kInstanced the instances.
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
-/// Returns the index in Objects of a hit's record.
+/// Returns the index of the record in Objects that contains a hit's object id.
 template <class V>
 I<V> object_record_index(const HitRecord<V>& hit) {
   return triangle_of<V>(hit);
@@ -199,7 +200,7 @@ struct RecordSurface {
       kInstanced ? "as record_surface, of an instance" : "first hit -> its sample's geometry and surface";
   template <class V>
   struct Ports : RecordGeometry<kInstanced>::template Ports<V> {
-    Triangles<V> corners;  ///< triangles; bound if kInstanced, otherwise `objects` are the triangles
+    Triangles<V> corners;  ///< triangles, used only if kInstanced; otherwise `objects` are the triangles
     Local<V, TexcoordRecord> texcoords;
     Local<V, SurfaceRecord> kept;
     static constexpr void describe(auto& p, auto&& port) {
@@ -236,7 +237,7 @@ template <class V>
 struct BounceUniforms {
   I<V> way;
   I<V> mirrored, refracted;  ///< first ray slots of mirrored and of refracted rays; straight rays have the slots before
-  F<V> first;                ///< 1 for the bounce whose normals are recorded, otherwise 0
+  F<V> first;                ///< 1 in the bounce whose normals are recorded, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
     port(NAMED(b.mirrored));
@@ -287,7 +288,7 @@ struct RecordSecondary {
   }
 };
 
-// Traits are the data that supersample compares between samples. Of its secondary hits a sample records one: that of
+// Traits are the data that supersample compares between samples. A sample records one of its secondary hits: that of
 // the mirrored or refracted ray with the largest weight, one bounce after the first hit.
 
 /// Returns a checksum of a position. Two hits of one sample almost never have
@@ -297,8 +298,8 @@ F<V> position_checksum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
-/// Finds the largest weight of a sample's mirrored and refracted rays. It runs over all rays of the first bounce,
-/// because the ray with the largest weight may hit nothing.
+/// Finds the largest weight of a sample's mirrored and refracted rays after the first hit. It runs over all these rays,
+/// because the one with the largest weight may hit nothing.
 struct WeighBranch {
   static constexpr std::string_view kName = "weigh_branch";
   static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";
@@ -342,7 +343,8 @@ struct RecordBranch {
   }
 };
 
-/// Records the shadows of a mirrored or refracted hit. The origin of a shadow ray identifies the hit.
+/// Counts the shadows at the recorded mirrored or refracted hit of a sample. The origin of a shadow ray identifies its
+/// hit.
 struct RecordBranchShadow {
   static constexpr std::string_view kName = "record_branch_shadow";
   static constexpr std::string_view kMeaning = "shadow ray of the kept secondary hit -> counted if it was stopped";
@@ -370,8 +372,8 @@ struct RecordBranchShadow {
 };
 
 /// Separates a sample's global colour: all its light except ambient and local lights at the first hit, which
-/// interpolated samples compute themselves. It is a difference of two sums, so a traced sample's colour does not
-/// change.
+/// interpolated samples compute themselves. The global colour is the difference of two sums, so that a traced sample's
+/// own colour does not change.
 template <bool kAfter>
 struct RecordLocal {
   static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";

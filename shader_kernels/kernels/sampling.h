@@ -27,7 +27,7 @@ template <class V>
 struct TexelSample {
   FootprintRecord<V> texels;
   F<V> right, lower;  ///< weights of the right two and of the lower two texels
-  /// Blends one value over the four texels. `channel` extracts it from a texel's bits.
+  /// Returns the bilinear blend of one value of the four texels. `channel` extracts the value from a texel's bits.
   F<V> blend_texels(auto&& channel) const {
     const F<V> upper_left = channel(texels.at00), lower_left = channel(texels.at01);
     const F<V> upper = upper_left + (channel(texels.at10) - upper_left) * right;
@@ -93,7 +93,7 @@ struct TrilinearSample {
   F<V> blend_levels(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
-/// Masks of TexcoordRecord::texture in scenes with mip maps.
+/// Mask of the texture number in TexcoordRecord::texture; in scenes with mip maps the other bits are the footprint.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
 I<V> with_footprint(const I<V>& texture, const F<V>& footprint) {
@@ -107,8 +107,8 @@ F<V> footprint_of(const I<V>& word) {
 /// Ports through which a kernel looks up textures.
 template <class V, MipFilter kMips>
 struct TexturePorts {
-  Table<V, AxisRecord> axes;     ///< addressing modes, two for each texture
-  Table<V, LevelRecord> levels;  ///< parameters of the mip levels, one record for each texture; bound with mip maps
+  Table<V, AxisRecord> axes;     ///< addressing modes, two records (u, v) for each texture
+  Table<V, LevelRecord> levels;  ///< parameters of the mip levels, one record for each texture; used only with mip maps
   Texels<V> texels;
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.axes));
@@ -116,7 +116,8 @@ struct TexturePorts {
     port(NAMED(p.texels));
   }
   /// Looks up a mip-mapped texture with first level `texture` for a footprint in texture coordinates. The level is the
-  /// logarithm of the footprint in texels: the float's exponent, with its mantissa as blending weight.
+  /// logarithm of the footprint in texels. The exponent of that float selects the level, and its mantissa is the
+  /// blending weight.
   auto sample_mip_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));

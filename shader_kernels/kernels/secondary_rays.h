@@ -55,7 +55,7 @@ SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& io) {
   return {point, direction, path, optics, make_interface<V>(direction, point.normal, point.side, optics.ior)};
 }
 
-/// Emits mirrored rays, of mirrors and of glass. A surface that is both emits one ray with the sum.
+/// Emits mirrored rays from mirrors and from glass. A surface that is both emits one ray with the sum of their weights.
 struct ShadeMirror {
   static constexpr std::string_view kName = "shade_mirror";
   static constexpr std::string_view kMeaning = "mirror or glass surface -> reflection ray";

@@ -82,21 +82,23 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
           high(vertices.blue_alpha0, vertices.blue_alpha1, vertices.blue_alpha2)};
 }
 
-/// Returns the one of four names that belongs to the kernel variant.
+/// Returns that one of four names which belongs to the kernel variant with or without instances and ray cones.
 template <bool kInstanced, bool kCones>
 constexpr std::string_view name_by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
                                            std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
-/// Smallest cosine with which a cone's footprint on a surface is computed; at more grazing angles it grows no further.
+/// Smallest cosine with which a cone's footprint on a surface is computed; at more grazing angles the footprint grows
+/// no further.
 inline constexpr float kLeastCosine = 0x1p-6F;
 
-/// Fetches the surface at a hit and stores it in the tile buffer. Only shading normals are read: where they disagree
-/// with the triangle, at silhouettes, a ray may be mirrored into the surface.
+/// Fetches the surface at a hit and stores it in the tile buffer. Only shading normals are read. At silhouettes, where
+/// they disagree with the triangle's plane, a ray may be mirrored into the surface.
 ///
 /// With kCones it also computes the footprint of the ray's cone in texture coordinates, along its longer axis. Mirrors
-/// and refraction keep the cone's spread. The path from the eye to the last ray's origin counts as straight.
+/// and refraction keep the cone's spread. The path from the eye to the origin of the last ray counts as a straight
+/// line.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
   static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
@@ -111,13 +113,13 @@ struct ShadeSurface {
     Local<V, RayRecord> rays;
     Hits<V, kInstanced> hits;
     Attributes<V> attributes;
-    Instances<V> instances;  ///< bound if kInstanced
+    Instances<V> instances;  ///< used only if kInstanced
     Materials<V> materials;
     Local<V, SurfacePointRecord> points;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
-    ConeUniforms<V> cone;  ///< bound if kCones
+    ConeUniforms<V> cone;  ///< used only if kCones
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.surfaces, p.rays, p.hits, p.attributes));
       if constexpr (kInstanced) port(NAMED(p.instances));
@@ -178,7 +180,7 @@ struct FetchVertices {
     Local<V, SpecularRecord> optics;
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
-    Instances<V> instances;  ///< bound if kInstanced
+    Instances<V> instances;  ///< used only if kInstanced
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.vertexed, p.hits, p.mattes, p.optics, p.tangents, p.vertices));
       if constexpr (kInstanced) port(NAMED(p.instances));

@@ -9,8 +9,8 @@
 
 namespace kernels {
 
-/// Similarity checks between the two reference samples around a sample. A kernel stores the failed ones as bits in the
-/// tile buffer; 0 means that all passed. The order is that of the papers; the first failed check is reported as the
+/// Similarity checks between the two reference samples around a sample. A kernel stores the failed checks as bits in
+/// the tile buffer; 0 means that all passed. The order is that of the papers. The first failed check is reported as the
 /// reason why a sample is traced.
 enum class Check : std::uint8_t {
   kObject,
@@ -39,7 +39,7 @@ template <class V>
 struct LineUniforms {
   F<V> inner, inverse_inner;  ///< along x: interpolated samples per line; along y: number of lines
   F<V> gaps, inverse_gaps, block, inverse_block;
-  F<V> first, step, line_step;  ///< index of position 0 of line 0; index steps between positions and between lines
+  F<V> first, step, line_step;  ///< index of the first sample; index steps between positions and between lines
   F<V> low, high;
   static constexpr void describe(auto& line, auto&& port) {
     port(line.inner, "line.inner");
@@ -60,12 +60,12 @@ struct LineUniforms {
 template <class V>
 struct SampleNeighbours {
   I<V> sample, before, after;
-  I<V> gap;      ///< number of the sample between its references, from 0
+  I<V> gap;      ///< position of the sample between its two references, counted from 0
   M<V> outside;  ///< a reference is outside the picture
 };
 
-/// Returns the sample that item `item` checks, with its references. Along x, items follow the lines; along y, they
-/// alternate between lines.
+/// Returns the sample that item `item` checks, with its two references. Along x, consecutive items are in one line;
+/// along y, they are in neighbouring lines.
 template <bool kAlongY, class V>
 SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
   const DivMod<V> outer = div_mod<V>(to_float(item), line.inner, line.inverse_inner);
@@ -85,7 +85,7 @@ inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 template <class V>
 struct PassedSample {
   I<V> sample, before, after;
-  F<V> weight;  ///< weight of `after`; `before` has 1 minus this
+  F<V> weight;  ///< interpolation weight of sample `after`; sample `before` has 1 minus this weight
 };
 template <class V>
 PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
@@ -151,8 +151,9 @@ Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
 }
 
 /// Checks samples for multirate (Lee et al. 2016): both references must have the same object, similar normals and the
-/// same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture textured surfaces
-/// must have similar colours; a smaller threshold counts samples that pass with rather different colours.
+/// same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture the colours of
+/// textured surfaces must be similar. A second, smaller threshold counts samples that pass with rather different
+/// colours.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
@@ -170,8 +171,8 @@ struct CheckSimilarity {
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
-    Local<V, ColourRecord> colours;      ///< bound if kTexture, like the next two ports
-    F<V> texture_squared, rate_squared;  ///< squared distances of colours above which a sample fails, or is rough
+    Local<V, ColourRecord> colours;      ///< like the next two ports used only if kTexture
+    F<V> texture_squared, rate_squared;  ///< squared colour distances above which a sample fails, or passes as rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
@@ -386,7 +387,7 @@ inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 
 /// One pass of post-correction (Kim et al. 2016, section 4). It lists an interpolated sample, to be traced, if a traced
-/// neighbour has another identity. Samples of a line are `step` apart, lines `line_step`.
+/// neighbour has another identity. The indices of samples in a line are `step` apart, those of lines `line_step`.
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";

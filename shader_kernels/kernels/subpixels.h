@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Attributes that supersample compares between pixels. Each has a contrast threshold; kColour's applies if no other
-/// differs.
+/// Attributes that supersample compares between pixels. Each has a contrast threshold; the one of kColour applies if no
+/// other attribute differs.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,
@@ -44,11 +44,11 @@ inline constexpr float kNever = 4.0F;
 
 /// Number of active sub-pixels in a chunk, which kernels process together.
 inline constexpr std::uint32_t kChunk = 64;
-/// Samples of an active sub-pixel; samples of a pixel whose four sub-pixels are active, and the side of their grid.
+/// Number of samples of an active sub-pixel; number in a pixel whose four sub-pixels are active; side of their grid.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
 /// The pixels that a tile finishes, row by row. The samples at their centres begin at `first`, with `pitch` per row.
-/// `low` to `high` are the columns and rows that have a sample, in the same coordinates.
+/// Columns and rows from `low` to `high` have a sample; they are counted from the first finished pixel.
 template <class V>
 struct FinishedUniforms {
   F<V> width, inverse_width;
@@ -66,13 +66,15 @@ struct FinishedUniforms {
   }
 };
 
-/// Steps from a pixel's centre sample to the neighbours around one corner; 0 outside the picture.
+/// Index offsets from a pixel's centre sample to those of its neighbours at one corner, in x and y; 0 outside the
+/// picture.
 template <class V>
 struct CornerSteps {
   F<V> x, y;
   M<V> has_both;
 };
-/// Returns the steps around a corner of `pixel`. `right` and `below` are 1 for right and lower corners, otherwise -1.
+/// Returns the index offsets to the neighbours at a corner of `pixel`. `right` is 1 for a right corner, otherwise -1;
+/// `below` is 1 for a lower corner, otherwise -1.
 template <class V>
 CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
                             const FinishedUniforms<V>& tile) {
@@ -103,8 +105,9 @@ Vec3<V> clamped_colour(const Vec3<V>& colour) {
   return {clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)};
 }
 
-/// Returns the attributes that differ between two hits, as bits for object, normal and shadows. They count only if one
-/// of the objects has the flag `focus` (0: always). Normals are equal if their dot product is at least `same_normal`.
+/// Returns the attributes that differ between two hits, as bits for object, normal and shadows. Differences count only
+/// if one of the two objects has the flag `focus` (0: always). Normals are equal if their dot product is at least
+/// `same_normal`.
 template <class V>
 I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
                             const I<V>& focus) {
@@ -125,7 +128,7 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
 }
 
 /// Selects the sub-pixels that the program supersample samples (Jin et al. 2009). It compares a pixel with the three
-/// others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
+/// neighbours at the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
 /// the four colours.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
@@ -200,8 +203,8 @@ struct TestSubpixels {
   }
 };
 
-/// Sums the colours of a pixel's sub-pixels that need no more samples, a quarter each. Their colour is that of the
-/// pixel's centre or, with kBilinear, the one interpolated at the sub-pixel's centre.
+/// Sums the colours of a pixel's inactive sub-pixels, with weight 1/4 each. Their colour is that of the pixel's centre
+/// or, with kBilinear, the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct WeighCentres {
   static constexpr std::string_view kName = kBilinear ? "weigh_centres_bilinear" : "weigh_centres";
@@ -249,8 +252,8 @@ inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 /// Lists the active sub-pixels in chunks of 64, block by block (Jin et al. 2009).
 ///
 /// 1. The sub-pixels of a pixel stay in one chunk; entries at a chunk's end may be left empty for that.
-/// 2. Pixels with active sub-pixels are also listed, in the same order, as masters. A master collects the samples of
-/// its chunk.
+/// 2. Pixels with active sub-pixels are also listed, in the same order, as masters. Each chunk completes the masters
+/// that belong to its sub-pixels.
 struct PackSubpixels {
   static constexpr std::string_view kName = "pack_subpixels";
   static constexpr std::string_view kMeaning = "pixel -> its active sub-pixels into the list, within one chunk";
@@ -259,7 +262,7 @@ struct PackSubpixels {
     F<V> across, inverse_across;  ///< number of blocks in a row of the tile
     F<V> width, height;           ///< size of the tile in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< per chunk: number of used entries; in bits from kFillBits, masters up to its end
+    Local<V, WordRecord> fills;  ///< per chunk: used entries and, above bit kFillBits, masters up to the chunk's end
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
@@ -355,7 +358,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< index in `colours` of the first listed sub-pixel's samples
+    F<V> first_sample;  ///< index in `colours` of the first sample of the first listed sub-pixel
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
                                p.base_green, p.base_blue, p.first_sample));
@@ -386,12 +389,14 @@ struct SumSubpixels {
 };
 
 // Layout of a sub-pixel's state (SubpixelRecord) between rounds of propagation: three sRGB-encoded channels of 16 bits,
-// then the attributes that made it active, then the number of that round (1 for the first test, 0 if inactive).
+// then the attributes that made the sub-pixel active, then the round in which it became active (1 for the first test, 0
+// if inactive).
 inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift + kAttributes;
 inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
 inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
 
-/// The array of sub-pixel states, row by row. It begins at `first`; rows are `pitch` apart and have `width` pixels.
+/// Layout of the array of sub-pixel states, row by row. It begins at index `first`; rows are `pitch` apart and have
+/// `width` pixels.
 template <class V>
 struct StateUniforms {
   F<V> width, inverse_width;
@@ -412,7 +417,8 @@ F<V> state_index(const I<V>& subpixel, const StateUniforms<V>& states) {
   return states.first + row * states.pitch + column;
 }
 
-/// Packs a sub-pixel's state. `cause` contains its attributes and round, already shifted to their bits.
+/// Packs a sub-pixel's colour and state. `cause` contains the attributes and the round that made it active, shifted to
+/// their bits.
 template <class V>
 SubpixelRecord<V> pack_state(const Vec3<V>& colour, const I<V>& cause) {
   const auto channel = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 65535.0F + 0.5F); };
@@ -453,8 +459,8 @@ struct SettleSubpixels {
   }
 };
 
-/// Stores the state of every sub-pixel as if none were active. Its colour is that of the pixel's centre or, with
-/// kBilinear, the one interpolated at the sub-pixel's centre.
+/// Stores the state of every sub-pixel of a pixel as if none were active. Their colour is that of the pixel's centre
+/// or, with kBilinear, the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct ShowSubpixels {
   static constexpr std::string_view kName = kBilinear ? "show_subpixels_bilinear" : "show_subpixels";
@@ -490,7 +496,8 @@ struct ShowSubpixels {
 };
 
 /// Decides in a propagation round which inactive sub-pixels become active. It compares each with those of its four
-/// neighbours that the previous round made active; their smallest threshold applies to the contrast of all.
+/// neighbours that the previous round made active; the smallest threshold of the attributes that made these active
+/// applies to the contrast of all.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =

@@ -18,8 +18,8 @@ struct CameraUniforms {
   }
 };
 
-/// Ray cones (Akenine-Moeller et al. 2021): as wide as a sample in the picture plane, widening with distance from the
-/// eye.
+/// Ray cones (Akenine-Moeller et al. 2021). A cone is as wide as a sample in the picture plane and widens with distance
+/// from the eye.
 template <class V>
 struct ConeUniforms {
   Vec3<V> eye;
@@ -30,8 +30,8 @@ struct ConeUniforms {
   }
 };
 
-/// The samples of a tile. Items run over the samples of a pixel, then over the pixels row by row. Kernels multiply by
-/// the reciprocals instead of dividing.
+/// The samples of a tile. A kernel's items are the samples of a pixel one after the other, pixels row by row. Kernels
+/// multiply by the reciprocals instead of dividing.
 template <class V>
 struct TileUniforms {
   F<V> x0, y0;                    ///< picture position of the tile's first pixel
@@ -50,9 +50,9 @@ struct TileUniforms {
   }
 };
 
-/// A light source of any kind. Point and spot: `local` is 1, `position` its position, `reach` 1. Directional: `local`
-/// is 0, `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and
-/// `cone_offset` 1; without a range `inverse_range_squared` is 0.
+/// A light source of any kind. Point and spot lights: `local` is 1, `position` its position, `reach` 1. Directional
+/// lights: `local` is 0, `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0
+/// and `cone_offset` 1; without a range `inverse_range_squared` is 0.
 template <class V>
 struct LightUniforms {
   Vec3<V> position, direction, intensity;
@@ -86,7 +86,8 @@ struct GridUniforms {
   }
 };
 
-/// A regular subset of a tile's samples, with `across` of them per row. Its steps are in samples.
+/// A regular subset of a tile's samples, with `across` of them per row. `step` and `row_step` are differences of sample
+/// indices.
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
@@ -104,7 +105,7 @@ I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 
-/// Verdict word of a reference sample, which no kernel checks.
+/// Verdict word of a reference sample. No kernel checks reference samples.
 inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels
