@@ -358,7 +358,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< index in `colours` of the first sample of the first listed sub-pixel
+    F<V> first_sample;  ///< index in `colours` of the samples of entry 0 in the list of active sub-pixels
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
                                p.base_green, p.base_blue, p.first_sample));

@@ -15,7 +15,7 @@ namespace kernels {
 /// A tile is a square of whole pixels. It has at most the configured number of samples, but at least one pixel.
 class FullProgram final : public FrameProgram {
  public:
-  /// `samples` is the number per pixel, a square. The image must outlive the program.
+  /// `samples` is the number of samples per pixel, a square number. The image must outlive the program.
   FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
               std::uint32_t samples, std::uint32_t frame);
 

@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-/// A frame program that finds its primary hits by rasterisation. Before the entries of the wrapped program, a geometry
+/// Wraps a frame program whose primary hits are found by rasterisation. Before the entries of that program, a geometry
 /// pass adds all triangles to the lists of screen regions.
 ///
 ///   pass 0: batches of triangles --> lists --> all later passes: the program's own, whose first waves are rasterised

@@ -29,7 +29,7 @@ void check_undersampled(const Effects& effects) {
   }
 }
 
-/// Throws if effects have a lower rate and the program is not full:1, which alone can filter them.
+/// Throws if effects have a lower rate and the program is not full:1, the only one that can filter them.
 void check_rate(const ProgramSpec& spec, EffectRate rate) {
   if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
   throw sim::InputError(fmt::format(

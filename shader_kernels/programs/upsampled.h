@@ -13,13 +13,14 @@
 namespace kernels {
 
 /// Frame program full:1 with effects at a lower rate (RenderConfig::effect_rate). First hits emit rays for occlusion
-/// and soft shadows in some pixels only, and a filter supplies the others (docs/design/effects.md).
+/// and soft shadows in some pixels only, and a filter computes the effects in the other pixels
+/// (docs/design/effects.md).
 ///
 ///   per tile: generate_centred_rays -> shading without these effects -> unblocked light of all samples, visible
 ///             fractions of some -> [halo] -> upsample_effects (per light) -> pack_grid_sample
 ///
-/// A sample of the tile buffer is a pixel, halo included. Its data for light l have an offset of l times the number of
-/// samples.
+/// Each sample in the tile buffer is a pixel of the tile or its halo. The index of its data for light l is increased by
+/// l times the number of samples.
 class UpsampledProgram final : public FrameProgram {
  public:
   /// `scene_size` is the longest side of the scene's bounds, the same in all frames.
@@ -35,7 +36,7 @@ class UpsampledProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// The rendering of one tile.
+  /// State of the rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
@@ -47,7 +48,7 @@ class UpsampledProgram final : public FrameProgram {
   };
 
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// Return the bytes of a sample's data for all lights, and the bytes per sample that neighbours read.
+  /// Return the bytes of a sample's data for all lights, and the mean bytes per border sample that neighbours read.
   std::uint32_t light_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t stored_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }

@@ -32,8 +32,8 @@ struct AdaptiveConfig {
   }
 };
 
-/// How a tile's sampling rate follows from its results: it never changes, it has two thresholds (hysteresis), or the
-/// two thresholds alternate between frames.
+/// How a tile's sampling rate follows from its results: not at all, by two thresholds (hysteresis), or by two
+/// thresholds that are used in alternate frames.
 enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
 constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
 
@@ -201,7 +201,8 @@ struct SupersampleConfig : AdaptiveConfig {
   }
 };
 
-/// How the filter weighs normals with x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
+/// How reconstruct's filter weighs two normals, with x = 1 minus their clamped dot product: exp(-(sigma x)^2) as
+/// printed in the paper, or exp(-(x / sigma)^2).
 enum class NormalWeight : std::uint8_t { kFactor, kWidth };
 constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
 
@@ -234,7 +235,8 @@ struct ReconstructConfig : AdaptiveConfig {
         sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
-  /// Returns the filter's depth units per unit of length, for a scene whose longest side is `scene_size`.
+  /// Returns how many of the filter's depth units are one unit of length, in a scene whose longest side is
+  /// `scene_size`.
   float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
   float bend_factor() const {
     return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);

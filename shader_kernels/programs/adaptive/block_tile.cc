@@ -46,7 +46,7 @@ std::uint32_t BlockFrame::exchanged_bytes() const {
 
 FrameRequirements BlockFrame::requirements() const {
   const std::uint32_t side = tiles.tile_side();
-  const std::uint32_t kept = side * (side / setup.block);  // only rows of references are compared again
+  const std::uint32_t kept = side * (side / setup.block);  // only rows with references are compared again, along y
   const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
   FrameRequirements needs;
   needs.tile_samples = side * side;
@@ -106,7 +106,7 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
   out.packed.resize(out.linear.size());
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
-  // A kernel may load a sample after the last row in place of a missing reference, and does not use the value.
+  // A kernel may load a sample after the last row in place of a missing reference. It does not use the value.
   buffer.reserve_samples(std::size_t{frame.row_pitch()} * (frame.row_pitch() + frame.setup.whole));
   out.work.frame = frame.number;
   out.work.tile = at.index;
@@ -186,7 +186,8 @@ void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uin
   if (!is_own) out.sampling.halo += items;
 }
 
-/// Records the light that is not local to the first hit for each listed sample, for the colour check of undersample.
+/// Records the global colour of each listed sample, for the colour check of undersample. It is the light that does not
+/// come from lights at the first hit.
 void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint) {
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
     ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());

@@ -15,16 +15,16 @@ namespace kernels {
 struct BlockSetup {
   std::uint32_t grid = 1;          ///< number of samples along the side of a pixel
   std::uint32_t block = 2;         ///< number of samples along the side of a block
-  std::uint32_t whole = 2;         ///< a multiple of every block side; tile sides are multiples of it
+  std::uint32_t whole = 2;         ///< common multiple of all block sides, in samples; tile sides are multiples of it
   std::uint32_t record_bytes = 0;  ///< bytes of a sample's record in the tile buffer, without the colour
   bool carries_rates = false;  ///< tiles read block sides from memory and write the fraction of similar samples there
-  RetainedRecords before_check_y{};  ///< records of samples that a check along y will read
-  RetainedRecords after_check_y{};   ///< records of samples that no later check reads
-  float faint = 0;  ///< a colour whose channels are all at most this passes every colour check (CountColoured)
+  RetainedRecords before_check_y{};  ///< records kept of samples that a check along y will read
+  RetainedRecords after_check_y{};   ///< records kept of samples that no later check reads
+  float faint = 0;                   ///< colours pass every colour check if no channel is above this (CountColoured)
 };
 
-/// A frame of multirate or undersample. The picture's samples are divided into blocks. The last sample of a block is
-/// its reference R and is always traced. The others are checked between two samples of their line:
+/// A frame of multirate or undersample. The picture's samples are divided into blocks. The last sample of each block is
+/// a reference R, which is always traced. The others are checked between two samples of their line:
 ///
 ///   I I I I        1. x samples of reference rows are between two references of the row.
 ///   I R x R        2. y samples of other rows are between two samples above and below.
@@ -41,7 +41,7 @@ struct BlockFrame {
   /// Returns the number of samples in a row of the tile buffer.
   std::uint32_t row_pitch() const { return tiles.tile_side() + 1; }
   ConeUniforms<float> ray_cone() const { return cone_uniforms(camera, setup.grid); }
-  /// Returns where the tile's samples are in the tile buffer, without its halo.
+  /// Returns which samples of the tile buffer belong to the tile, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
   /// Returns how many bytes of each exchanged sample a neighbouring tile reads.
@@ -52,7 +52,7 @@ struct BlockFrame {
   std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.tile_count(); }
   /// Allocates the counts that `frame_counts` keeps for each tile.
   void allocate_counts(Sampling& frame_counts) const;
-  /// Adds a finished tile to the frame's counts: its fraction of similar samples, and the side of its blocks.
+  /// Adds a finished tile's fraction of similar samples, and the side of its blocks, to the frame's counts.
   void count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const;
 
   const AdaptiveConfig adaptive;
@@ -72,14 +72,14 @@ struct BlockLines {
   bool is_own = true;  ///< false for samples of a neighbouring tile
 };
 
-/// Result of a check: its launch, and how many samples it appended to the queues `passed` and `failed`.
+/// Result of launching a check: the launch, and how many samples it appended to the queues `passed` and `failed`.
 struct Verdict {
   Wavefront::Node node = Wavefront::kNone;
   std::uint32_t passed = 0, failed = 0;
   std::uint32_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 };
 
-/// The rendering of one tile by multirate or undersample, with the steps that both share.
+/// Renders one tile by multirate or undersample, with the steps that both programs share.
 class BlockTile {
  public:
   /// `block_of(tile)` returns the side in pixels of a tile's blocks in this frame.
@@ -137,7 +137,7 @@ class BlockTile {
   TileBuffer& buffer;
   Wavefront wave;
   TileGraph& graph;
-  std::uint32_t coloured = 0;  ///< number of samples whose global light the colour check may reject (CountColoured)
+  std::uint32_t coloured = 0;  ///< number of samples whose global colour may fail the colour check (CountColoured)
 
  private:
   BlockTile(const BlockFrame& frame, const SampleTile& tile, const traces::Tracer& tracer, bool record,
@@ -146,7 +146,7 @@ class BlockTile {
   std::uint32_t block_columns() const { return at.width / block_; }
   void read_block_sides();
   BlockLines lines_along_x(std::uint32_t block, bool is_own) const;
-  /// Traces `items` samples, `across` per row, beginning at sample `first`.
+  /// Traces `items` samples of a regular lattice with `across` samples per row, beginning at sample `first`.
   void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
                      std::uint32_t items, bool is_own);
   void trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items, const RetainedRecords& kept,

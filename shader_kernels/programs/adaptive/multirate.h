@@ -30,7 +30,7 @@ class MultirateProgram final : public FrameProgram {
   const MultirateConfig multirate_;
   const BlockFrame blocks_;
   const bool secondary_checks_;
-  const bool compares_colours_;  ///< the checks include the colours of textured surfaces
+  const bool compares_colours_;  ///< the similarity checks include the colours of textured surfaces
   const RateMap& rates_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// The block sides of all tiles, which change from frame to frame with multirate's results (Lee et al. 2016, section
+/// The block sides of all tiles. Multirate's results in a frame determine those of the next (Lee et al. 2016, section
 /// 3).
 class RateMap {
  public:
@@ -26,7 +26,7 @@ class RateMap {
     std::uint32_t held = 0;  ///< number of frames for which the block side must not change
   };
   MultirateConfig config_;
-  std::vector<Tile> tiles_;  ///< empty in the first frame
+  std::vector<Tile> tiles_;  ///< state of each tile; empty in the first frame
   std::uint32_t frame_ = 0;
 };
 

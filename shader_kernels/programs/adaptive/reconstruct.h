@@ -20,18 +20,18 @@ namespace kernels {
 ///             generate_visible_rays -> geometry, shadows -------+-> [halo] -> reconstruct -> pack_colour -> frame
 ///                                                               list_branches -> reconstruct_branch
 ///
-/// 1. Surfaces are filtered by their own geometry and shadows; mirrored and refracted light by the geometry and shadows
-/// of what the secondary rays hit.
+/// 1. Light from surfaces is filtered by their own geometry and shadows. Mirrored and refracted light is filtered by
+/// the geometry and shadows of what the secondary rays hit.
 /// 2. With a colour test, all four samples are shaded in pixels whose colour changes where the geometry does not:
 ///
 ///     reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
 ///
-/// 3. reconstruct:sraa, for comparison, filters whole colours by the first hits' geometry; its other samples are
-/// primary rays only.
+/// 3. reconstruct:sraa, for comparison, filters whole colours by the first hits' geometry. Its samples that are not
+/// shaded cast primary rays only.
 ///
-/// The samples are divided into layers: layer 0 is the surface, then come mirrors and glass. Sample k of layer b of the
-/// pixel at `position` of the tile buffer has index position + (4 b + k) x positions. Shaded samples also have a
-/// colour.
+/// The light of the samples is divided into layers: layer 0 is the surface, then mirrored light, then refracted light.
+/// Sample k of layer b of the pixel at `position` of the tile buffer has index position + (4 b + k) x positions. Shaded
+/// samples also have a colour.
 class ReconstructProgram final : public FrameProgram {
  public:
   enum class Filters : std::uint8_t { kApart, kOne };
@@ -48,7 +48,7 @@ class ReconstructProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// The rendering of one tile.
+  /// State of the rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
@@ -71,15 +71,15 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Returns the number of records of one layer: the distance from a sample's record to its record in the next layer.
   std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
-  /// Return bytes per pixel: of its shaded sample's records and colours, of its other samples' records, of all records;
-  /// all layers included.
+  /// Return bytes per pixel in all layers: records and colours of the shaded sample; records of the other samples;
+  /// records of all samples.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t stored_bytes() const;
 
-  /// Calls f<kBranches>(), where kBranches is 0, 1 or 2: the number of colour layers besides the first (mirrored light,
+  /// Calls f<kBranches>(), where kBranches is the number of colour layers after the first: 0, 1 or 2 (mirrored light,
   /// refracted light).
   template <class Function>
   auto call_with_branch_count(Function&& f) const {
@@ -122,7 +122,7 @@ class ReconstructProgram final : public FrameProgram {
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
   const float depth_scale_, bend_;
-  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of mirrored and refracted light; 0: none
+  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< numbers of the layers of mirrored and refracted light; 0: none
   std::uint32_t layers_ = 1;
 };
 

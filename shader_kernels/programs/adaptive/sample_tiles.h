@@ -20,7 +20,7 @@ std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all);
 /// A tile of the picture, in samples.
 struct SampleTile {
   std::uint32_t index = 0;     ///< number of the tile, row by row
-  std::uint32_t x = 0, y = 0;  ///< position in the picture of its first sample
+  std::uint32_t x = 0, y = 0;  ///< position in the picture of the tile's first sample
   std::uint32_t width = 0, height = 0;
   std::uint32_t left = 0, above = 0, above_left = 0;  ///< indices of the neighbouring tiles, if they exist
   bool has_left = false, has_above = false;
@@ -30,8 +30,8 @@ struct SampleTile {
 /// Divides the samples of the picture into square tiles of whole pixels and whole blocks.
 class SampleTiles {
  public:
-  /// `side` is the desired side of a tile in samples, `grid` the samples along a pixel's side. Tile sides are multiples
-  /// of `block`.
+  /// `side` is the desired side of a tile in samples, `grid` the number of samples along a pixel's side. Tile sides are
+  /// multiples of `block`.
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
   std::uint32_t tile_count() const { return across_ * down_; }
@@ -45,25 +45,26 @@ class SampleTiles {
   std::vector<std::uint32_t> rendering_order(Halo halo) const;
 
  private:
-  std::uint32_t width_, height_;  ///< in samples
+  std::uint32_t width_, height_;  ///< size of the picture in samples
   std::uint32_t grid_, side_, across_, down_;
 };
 
-/// A rectangle of a tile's halo in the tile buffer, and where another tile has stored its samples.
+/// A rectangle of a tile's halo in the tile buffer, and the place in memory where a neighbouring tile has stored these
+/// samples.
 struct HaloPart {
   traces::Border border;
-  std::uint64_t first = 0;     ///< index of its first sample among those that the other tile stores
-  std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of its first sample
+  std::uint64_t first = 0;     ///< index of the rectangle's first sample among those that the other tile stores
+  std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of the rectangle's first sample
   std::uint32_t across = 0, down = 0;
-  /// Returns the rectangle of this part next to the tile: its last `columns` columns of its last `rows` rows.
+  /// Returns the part of the rectangle nearest to the tile: the last `columns` columns of the last `rows` rows.
   HaloPart inner_part(std::uint32_t columns, std::uint32_t rows) const;
 };
 
 /// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, although a tile
 /// imports only from the left and above.
 ///
-/// The pixels that a tile finishes are offset from its samples by `reach` to the left and up. It needs twice as many
-/// columns and rows of its neighbours (its halo). With a reach of 1:
+/// The pixels that a tile finishes are offset from its samples by `reach` to the left and up. The tile needs 2 *
+/// `reach` columns and rows of its neighbours (its halo). With a reach of 1:
 ///
 ///   h h|h h h h    h  halo: samples of the tiles left, above, and above to the left
 ///   h F|F F F .    F  pixels finished here
@@ -90,7 +91,7 @@ class FinishedTiles {
   std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
   /// Sets in `out` which rectangle of the picture a tile finishes.
   void set_finished_rect(const SampleTile& at, TileResult& out) const;
-  /// Returns which pixels and samples of the tile buffer a tile finishes.
+  /// Returns which pixels a tile finishes, and where their samples are in the tile buffer.
   FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
   /// Returns the indices of the samples in a rectangle of the tile buffer that begins at (x, y).
   LatticeUniforms<float> rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;

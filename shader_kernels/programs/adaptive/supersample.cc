@@ -112,7 +112,8 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   if (!is_own) tile.out.sampling.halo += items;
 }
 
-/// Returns the contrast thresholds of all attributes. An excluded attribute gets one that is never reached.
+/// Returns the contrast thresholds of all attributes. An attribute that is excluded from the comparison gets a
+/// threshold that is never reached.
 std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const {
   const SupersampleConfig& c = supersample_;
   const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
@@ -190,7 +191,7 @@ namespace {
 
 using traces::Region;
 
-/// Bytes of a sample that neighbouring tiles read.
+/// Bytes of each exchanged sample that neighbouring tiles read.
 constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace
@@ -413,8 +414,8 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
 }
 
-/// Completes the listed pixels by adding the samples of their active sub-pixels. Their colours begin with those of the
-/// active sub-pixel at `first_index`.
+/// Completes the listed pixels by adding the samples of their active sub-pixels. The first stored colours belong to the
+/// active sub-pixel at index `first_index` of the list.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
                                                          Node weighed) const {

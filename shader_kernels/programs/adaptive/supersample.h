@@ -21,7 +21,7 @@ namespace kernels {
 /// earlier rounds. Its own results are collected, and apply_round() applies them after all tiles of the round.
 class ShownSubpixels {
  public:
-  /// All sub-pixels of a picture of `tiles` tiles are inactive at first.
+  /// `tiles` is the number of tiles of the picture. All sub-pixels are inactive at first.
   ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
   /// Stores the sub-pixels of a tile before the first round.
@@ -32,8 +32,8 @@ class ShownSubpixels {
 
   /// True if the last applied round made sub-pixels of the tile active.
   bool is_newly_active(std::uint32_t tile) const { return fresh_[tile] != 0; }
-  /// Copies the states of `width` x `height` sub-pixels at (x, y), and of one more on each side. Sub-pixels outside the
-  /// picture are inactive.
+  /// Copies the states of a rectangle of sub-pixels at (x, y), and of one more sub-pixel on each side. Sub-pixels
+  /// outside the picture are inactive.
   void copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
                    SubpixelRecord<float>* to) const;
   const glm::vec3& subpixel_colour(std::uint32_t x, std::uint32_t y) const {
@@ -48,12 +48,11 @@ class ShownSubpixels {
  private:
   void store_subpixels(const std::vector<ShownSubpixel>& subpixels);
 
-  const std::uint32_t width_, height_;         ///< in sub-pixels
+  const std::uint32_t width_, height_;         ///< size of the picture in sub-pixels
   std::vector<SubpixelRecord<float>> states_;  ///< states of all sub-pixels, surrounded by inactive ones
   std::vector<glm::vec3> colours_;
   std::vector<std::uint8_t> is_background_;
-  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< for each tile, whether the last round, or this one, made
-                                                  ///< sub-pixels active
+  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< per tile: the last round, or this round, made sub-pixels active
   std::vector<ShownSubpixel> found_;
 };
 
@@ -67,8 +66,8 @@ class ShownSubpixels {
 /// 1. Pixels read neighbours one pixel away, with tiles as in FinishedTiles.
 /// 2. Active sub-pixels are sampled in chunks of 64, which share 256 ray slots. A chunk begins when the previous one
 /// has been summed.
-/// 3. Packing `block` keeps the sub-pixels of a pixel in one chunk. Entries left empty for that are idle in all loops
-/// up to the first inspector.
+/// 3. Packing `block` keeps the sub-pixels of a pixel in one chunk. Some entries are left empty for that; they are idle
+/// iterations of all kernels before the next list is made.
 /// 4. Packing `none` has no list: a chunk is 16 pixels, whose inactive sub-pixels are idle.
 /// 5. Packing `atomic` lists sub-pixels in random order. A pixel's sub-pixels may be in several chunks, so all samples
 /// are written to memory and read back before they are summed.
@@ -96,7 +95,7 @@ class SupersampleProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// The rendering of one tile.
+  /// State of the rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
@@ -110,7 +109,7 @@ class SupersampleProgram final : public FrameProgram {
   /// Active sub-pixels that are sampled together, and the pixels that they complete.
   struct Chunk {
     std::uint32_t first = 0, subpixels = 0;
-    std::uint32_t padding = 0;  ///< number of entries left empty
+    std::uint32_t padding = 0;  ///< number of entries of the chunk that are left empty
     std::uint32_t first_master = 0, masters = 0;
   };
 
@@ -177,7 +176,7 @@ class SupersampleProgram final : public FrameProgram {
   const FinishedTiles tiles_;
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
-  ShownSubpixels shown_;  ///< without rounds of propagation, empty
+  ShownSubpixels shown_;  ///< sub-pixels of the picture; empty if there are no rounds of propagation
 };
 
 }  // namespace kernels

@@ -76,8 +76,9 @@ std::uint32_t SupersampleProgram::pass_end(std::uint32_t tile_index) const {
 /// Returns the bytes in memory of the colours and states of a tile's sub-pixels.
 std::uint32_t SupersampleProgram::subpixel_bytes() const { return 4 * tile_pixels() * kShownBytes; }
 
-/// Returns the address of the states of a tile's sub-pixels, which their colours follow. After those of all tiles come
-/// two arrays of a byte per tile, for even and odd rounds: whether the round made sub-pixels of the tile active.
+/// Returns the address of the states of a tile's sub-pixels; their colours follow them. After the data of all tiles are
+/// two arrays with a byte per tile, for even and odd rounds. The byte records whether the round made sub-pixels of the
+/// tile active.
 std::uint64_t SupersampleProgram::shown_address(std::uint32_t tile) const {
   return tiles_.tile_count() * stored_bytes() + std::uint64_t{tile} * subpixel_bytes();
 }
@@ -94,7 +95,7 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
 /// sub-pixels reuse the slots of finished rays.
 std::uint32_t SupersampleProgram::dma_waiting_bytes() { return kChunk * kShownBytes; }
 
-/// Writes colours and states of all sub-pixels as if none were active. apply_round() overwrites those that are.
+/// Writes colours and states of all sub-pixels as if none were active. apply_round() later overwrites the active ones.
 void SupersampleProgram::store_inactive(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;

@@ -148,7 +148,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   };
 
   tile.trace_references();
-  tile.export_right();  // exported before imports, which keeps chains of waiting tiles short
+  tile.export_right();  // exported before the imports, which keeps chains of waiting tiles short
   tile.import_left();
   tile.spill_references_to_dram();
   resolve(tile.lines_along_x());
@@ -203,7 +203,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
   }
 }
 
-/// Launches kernel K, which stores the samples' identities, and writes them to memory.
+/// Launches kernel K, which stores the samples' identity words, and writes these words to memory.
 template <class K>
 Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   typename K::template Ports<float> ports;
@@ -233,7 +233,7 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kScanned = 0;  // number of the border that consists of all words a tile corrects in a scan
+constexpr std::uint32_t kScanned = 0;  // number of the border with all identity words that a scan corrects in a tile
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 

@@ -13,8 +13,8 @@
 
 namespace kernels {
 
-/// Post-correction of an undersampled frame (Kim et al. 2016, section 4). It keeps the identities of all samples, and
-/// traces interpolated samples that differ from a traced neighbour.
+/// Post-correction of an undersampled frame (Kim et al. 2016, section 4): traces interpolated samples that differ from
+/// a traced neighbour. It keeps identity words of all samples for the comparison.
 ///
 /// 1. A scan visits all lines of the picture at once, sample by sample.
 /// 2. An interpolated sample is suspect if its predecessor was traced and has another identity.
@@ -28,7 +28,7 @@ class PostCorrection {
   /// An interpolated sample that is to be traced.
   struct Suspect {
     std::uint32_t tile = 0;
-    std::uint32_t round = 0;  ///< number of suspects in a row that led to this one
+    std::uint32_t round = 0;  ///< 1 plus the length of the chain of suspects that made this sample suspect
     std::uint32_t x = 0, y = 0;
   };
   /// Results of tracing a list of suspects, in the order of the list.
@@ -47,8 +47,8 @@ class PostCorrection {
 
   /// Stores the identities and colours of a tile's samples.
   void store_samples(const TileResult& tile, const SampleTile& at);
-  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects by tile, then by
-  /// round.
+  /// Runs a scan over the picture. `trace(suspects)` traces samples and returns their results. Returns all suspects of
+  /// the scan, ordered by tile, then by round.
   template <class Trace>
   const std::vector<Suspect>& run_scan(const Scan& scan, Trace&& trace) {
     begin_scan();
@@ -73,8 +73,8 @@ class PostCorrection {
 
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
-  std::vector<std::uint32_t> identities_;  ///< identity words, surrounded by words without identity
-  std::vector<std::uint16_t> rounds_;      ///< for each sample, the round in which this scan traced it; the same frame
+  std::vector<std::uint32_t> identities_;  ///< identity words of all samples, surrounded by words without identity
+  std::vector<std::uint16_t> rounds_;      ///< as identities_: round in which the current scan traced the sample
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> line_, found_;
   std::vector<Suspect> fresh_, all_;
@@ -124,7 +124,7 @@ class UndersampleProgram final : public FrameProgram {
 
   const UndersampleConfig undersample_;
   const BlockFrame blocks_;
-  const float apart_;  ///< largest distance between two hits that pass the position check
+  const float apart_;  ///< largest distance between two hits at which the position check passes
   PostCorrection correction_;
 };
 

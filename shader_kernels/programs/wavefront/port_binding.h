@@ -17,7 +17,7 @@ namespace kernels {
 // Binds a kernel's ports to arrays of the tile or the scene. A port is bound to the array with its name and record
 // type. Names are compared at compile time; a launch only loads addresses.
 
-/// The record type with which kernels read and write elements of type T.
+/// The record type with which kernels read and write array elements of type T.
 template <class T>
 struct RecordOf {
   using Type = T;
@@ -174,7 +174,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
 
 }  // namespace port_arrays
 
-/// True if P is a port of records. Ports that are neither records nor counters are uniforms.
+/// True if port type P accesses records. Ports that neither access records nor are counters are uniforms.
 template <class P>
 inline constexpr bool kIsRecordPort = requires {
   typename P::Record;

@@ -11,7 +11,7 @@
 namespace kernels {
 
 /// Counts of the samples that a frame program renders, and of those that it traces. A background sample is one whose
-/// primary ray hits nothing, or that lies between two such samples.
+/// primary ray hits nothing, or that is between two such samples.
 struct Sampling {
   std::uint64_t wanted = 0;
   std::uint64_t traced = 0;      ///< all traced samples, including those of the halo and of corrections
@@ -58,7 +58,7 @@ enum class FilterEdge : std::uint8_t {
   kDepth,
   kNormal,
   kShadow,
-  kReflection,  ///< depth or normal of the mirrored hit differs
+  kReflection,  ///< depth or normal of the hit after a mirror differs
   kReflectedShadow,
   kRefraction,
   kRefractedShadow,

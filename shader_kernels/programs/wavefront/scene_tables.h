@@ -23,7 +23,8 @@ EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32
 LightUniforms<float> light_uniforms(const traces::Light& light);
 /// Returns the linear values of all 256 sRGB codes.
 std::vector<SrgbCodeRecord<float>> srgb_code_records();
-/// Returns a light source as a disc that faces the surface. `radius` is in scene diagonals, `rays` per surface.
+/// Returns a light source as a disc that faces the surface. `radius` is in scene diagonals; `rays` is the number of
+/// rays from a surface.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
 /// Returns the seed of the jittered sample positions of a frame.
 std::uint32_t jitter_seed(std::uint32_t frame);
@@ -31,20 +32,21 @@ AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, tr
 /// Returns the parameters with which lookups find the mip level of a texture that has `levels` levels.
 LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
-/// Largest triangle word (flags and index) of a nearest-hit ray's hit that needs no transparency test.
+/// Largest triangle word (flags and index) with which a nearest-hit ray's hit needs no transparency test.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// Scene data that kernels read besides memory: uniforms, tables in the SRP's own memory, and which kernels it needs.
+/// Scene data that kernels do not read from memory: uniforms and tables in the SRP's own memory. Also which kernels the
+/// scene needs.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 
   const traces::MemoryImage& image;
   std::vector<LightUniforms<float>> lights;
-  std::vector<DiscUniforms<float>> discs;  ///< if shadows are soft, the light sources as discs
-  std::vector<AxisRecord<float>> axes;     ///< addressing modes, two for each texture
-  std::vector<LevelRecord<float>> levels;  ///< with mip maps, one record for each texture
+  std::vector<DiscUniforms<float>> discs;  ///< the light sources as discs, if shadows are soft
+  std::vector<AxisRecord<float>> axes;     ///< addressing modes of textures, two (u, v) for each one
+  std::vector<LevelRecord<float>> levels;  ///< mip parameters, one record per texture; empty without mip maps
   std::vector<SrgbCodeRecord<float>> srgb_codes = srgb_code_records();
-  MipFilter mips;  ///< combines the image's mip levels and RenderConfig::mip_filter
+  MipFilter mips;  ///< which mip levels lookups read, from the image and RenderConfig::mip_filter
   Vec3<float> background, ambient;
   float epsilon, min_weight, occlusion_distance;
   std::uint32_t depth, layers;
@@ -52,16 +54,16 @@ struct SceneTables {
   Effects effects;
   std::uint32_t occlusion_rays;  ///< number of occlusion rays per surface; 0: no ambient occlusion
   std::uint32_t shadow_rays;     ///< number of shadow rays per surface and light; 0: no shadows
-  bool is_checkerboard;          ///< from RenderConfig::effect_rate
+  bool is_checkerboard;          ///< effects at a lower rate use a checkerboard (RenderConfig::effect_rate)
   bool has_details;              ///< some surface belongs to a queue that classify_details fills
   bool dma_encodes;              ///< the DMA encodes sRGB (RenderConfig::srgb)
-  bool diverges;                 ///< divergent kernels run over all items (RenderConfig::streams)
+  bool diverges;                 ///< kernels of a material class run over all surfaces (RenderConfig::streams)
   bool fuses;                    ///< fused kernels are used (RenderConfig::fusion)
   bool has_deferred;             ///< some surface must wait for textures before it is lit (kernels/light.h)
   bool has_secondary;            ///< some surface may emit secondary rays
   bool has_textures;             ///< some surface may fail a similarity check because of its textures
   bool has_occlusion;            ///< some surface has an occlusion texture
-  bool has_alpha, has_shades;    ///< hits may require a transparency test: of nearest-hit rays, of shadow rays
+  bool has_alpha, has_shades;    ///< hits of nearest-hit rays, or of shadow rays, may require a transparency test
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
   /// True if ambient light is not occluded and each light casts one shadow ray.
   bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }

@@ -15,11 +15,10 @@ namespace kernels {
 /// Which geometry reconstruct keeps of a wave's samples, and which rays find it.
 struct VisibleSamples {
   bool are_kept = false;
-  bool are_shaded = true;                                           ///< false if hits are found but not shaded
-  bool have_shadows = true;                                         ///< shadow rays are cast, and blocked ones recorded
+  bool are_shaded = true;    ///< false if the samples' hits are found but not shaded
+  bool have_shadows = true;  ///< shadow rays are cast, and blocked ones recorded
   std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< largest number of rays in a path from the eye
-  std::uint32_t mirrored = 0, refracted = 0;  ///< offset from a surface's sample to those of mirrored and refracted
-                                              ///< rays; 0: not kept
+  std::uint32_t mirrored = 0, refracted = 0;  ///< offset from a surface's sample to that of its ray; 0: not kept
   EyeUniforms<float> eye{};
   float depth_scale = 0;
   bool keeps_branch(std::uint32_t bounce) const { return are_kept && bounce == 2 && (mirrored | refracted) != 0; }
@@ -32,12 +31,12 @@ struct VisibleSamples {
 struct LowRateEffects {
   bool are_low_rate = false;
   std::uint32_t layer = 0;     ///< offset between a sample's data of one light and of the next
-  GridUniforms<float> grid{};  ///< the pixels in the tile buffer
+  GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
 /// Which records a wave's samples keep of their hits, in addition to the colour.
 struct RetainedRecords {
-  bool geometry = false, surfaces = false;  ///< keep of the first hit: its geometry, or all data that shading needs
+  bool geometry = false, surfaces = false;  ///< keep the geometry of the first hit, or all its data that shading needs
   bool secondary = false;
   bool traits = false;  ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
@@ -53,14 +52,14 @@ struct WaveBounce {
   using Node = TileGraph::Node;
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
-  std::uint32_t lanes = 0, padding = 0;                     ///< passed to TileGraph::launch()
+  std::uint32_t lanes = 0, padding = 0;                     ///< arguments of TileGraph::launch()
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
   std::array<TracedBatch, 3> batches{};
   std::uint32_t batch_count = 0;
   bool is_single = true;              ///< no sample has two rays in this bounce
-  bool has_lit = false;               ///< diffuse surfaces not in `deferred` have ambient and first light
-  Node begun = TileGraph::kNone;      ///< node that gave the rays samples of their own
+  bool has_lit = false;               ///< diffuse surfaces not in `deferred` already have ambient and first light
+  Node begun = TileGraph::kNone;      ///< node that gave mirrored and refracted rays samples of their own
   Node after = TileGraph::kNone;      ///< last node of the previous bounce that changes colours
   Node fetched = TileGraph::kNone;    ///< node that wrote the surfaces; the next stage waits for it item by item
   Node inspector = TileGraph::kNone;  ///< node that filled the queues that the stages read
@@ -78,14 +77,14 @@ struct WaveContext {
   RetainedRecords retained{};
 };
 
-/// What a stage's launch works on.
+/// Arguments of the launch of a shading stage.
 struct StageInput {
   std::uint32_t* entries = nullptr;  ///< entries of the stage's queue; null for kernels that run over all rays
   std::uint32_t items = 0, lanes = 0;
-  std::uint32_t light = 0, ray = 0;           ///< index of the light, and of the ray towards it, that the launch casts
+  std::uint32_t light = 0, ray = 0;           ///< index of the light, and of the ray that the launch casts towards it
   std::uint32_t next_ray = 0;                 ///< slot in the next wave of the first ray that the launch emits
   const LineUniforms<float>* line = nullptr;  ///< for interpolated samples, the lines that they are on
-  ColourRecord<float>* colours = nullptr;     ///< receives light instead of the samples' colours, unless null
+  ColourRecord<float>* colours = nullptr;     ///< array to which light is added; null: the samples' colours
 };
 
 /// Result of a stage's launch: its node in the work graph, and the number of rays that it emitted.
@@ -97,12 +96,12 @@ using Launch = Launched (*)(const WaveContext& wave, const WaveBounce& bounce, c
 
 /// Which nodes of the work graph a stage waits for.
 enum class Waits : std::uint8_t {
-  kItem,       ///< item by item for the launch that fetched the surfaces
-  kInspector,  ///< the launch that filled the queues
-  kBounce,     ///< the inspector or base colours, the rays of all batches, and the previous bounce
+  kItem,       ///< waits item by item for the launch that fetched the surfaces
+  kInspector,  ///< waits for the launch that filled the queues
+  kBounce,     ///< waits for queues or base colours, all rays of the bounce, and the previous bounce
 };
 
-/// How a stage changes what later stages wait for, as bits.
+/// Effects of a shading stage on later stages and what they wait for, as bits.
 enum StageEffect : std::uint32_t {
   kFetches = 1,      ///< the stage writes surfaces, for which the next one waits item by item
   kFillsQueues = 2,  ///< the stage fills queues, for which later ones wait
@@ -115,7 +114,7 @@ enum StageEffect : std::uint32_t {
   kOwnItemsOnly = 256       ///< the stage runs only over its queue, even if divergent kernels run over all items
 };
 
-/// A row of a table of shading stages. A stage with an empty queue is skipped.
+/// A shading stage, as a row of a table of stages. A stage with an empty queue is skipped.
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
@@ -124,12 +123,12 @@ struct WaveStage {
   constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
 };
 
-/// A row of the table of kernels that emit rays of the next wave.
+/// A kernel that emits rays of the next wave, as a row of the table of such kernels.
 struct SpawnStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
   traces::RayKind kind;
-  std::uint32_t WaveBounce::*first;  ///< slot of the first ray that the kernel emits
+  std::uint32_t WaveBounce::*first;  ///< ray slot of the first ray that the kernel emits
   std::optional<Effect> effect;      ///< effect that must be enabled for these rays
 };
 
@@ -147,7 +146,7 @@ std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t ligh
 RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
 RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
 
-/// The kernel that a part of a fused kernel runs.
+/// The type of the kernel that a part of a fused kernel runs.
 template <class Part>
 struct KernelOf {
   using Type = Part;
@@ -163,7 +162,7 @@ inline constexpr bool kRecordsBranch = std::is_same_v<K, RecordBranchShadow>;
 template <bool kInstanced>
 inline constexpr bool kRecordsBranch<RecordBranch<kInstanced>> = true;
 
-/// Sets the uniforms of kernel K, and the ports whose array differs between stages.
+/// Sets the uniforms of kernel K, and those ports that are bound to different arrays in different stages.
 template <class K, class P>
 void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const SceneTables& scene = wave.scene;

@@ -42,7 +42,7 @@ struct RayBuffers {
 struct StageQueues {
   SlotQueue misses, surfaces;                            ///< filled by classify_hits
   SlotQueue textured, diffuse, mirror, glass, emissive;  ///< filled by classify_surfaces
-  SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for other kernels
+  SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for kernels of their other classes
   SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< filled by classify_details
   SlotQueue glowing, occluded;                                      ///< filled by classify_details
   SlotQueue layers;                                                 ///< hits to be tested for transparency
@@ -66,22 +66,22 @@ struct SampleRecords {
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
-  std::vector<ColourRecord<float>> globals;  ///< light of samples from reflection and refraction
+  std::vector<ColourRecord<float>> globals;  ///< global colours of samples: without light from lights at the first hit
 };
 
 /// Results of the checks of multirate and undersample.
 struct CheckRecords {
   std::vector<std::uint32_t> verdicts,
       identities;       ///< words of similarity checks and of post-correction, indexed by sample
-  SampleQueue samples;  ///< samples to trace
+  SampleQueue samples;  ///< list of samples to trace
   SampleQueue passed, failed;
 };
 
 /// Records that supersample keeps of samples and sub-pixels.
 struct SubpixelRecords {
-  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< compared data of first and secondary hits, by sample
+  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< compared data of first and secondary hits
   std::vector<BranchRecord<float>> branches;
-  std::vector<std::uint32_t> verdicts;  ///< indexed by sub-pixel
+  std::vector<std::uint32_t> verdicts;  ///< results of the tests for active sub-pixels, indexed by sub-pixel
   std::vector<std::uint32_t> active, fills;
   PixelQueue masters;
   std::vector<SubpixelRecord<float>> states;  ///< states of sub-pixels between rounds of propagation
@@ -91,7 +91,7 @@ struct SubpixelRecords {
 /// Records that filters read: those of reconstruct, and of effects at a lower rate.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
-  std::vector<ColourRecord<float>> lights;  ///< light of samples as if nothing blocked it, for effects at a lower rate
+  std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples, for effects at a lower rate
   std::vector<RatioRecord<float>> ratios;   ///< visible fraction of that light
 };
 
@@ -103,7 +103,7 @@ struct PixelWork {
 
 /// Data of a tile in progress that only the host needs.
 struct TileScratch {
-  std::vector<PixelWork> pixel_work;          ///< work of each sample's rays, if it is counted
+  std::vector<PixelWork> pixel_work;          ///< traversal work of each sample's rays, if it is counted
   std::vector<std::uint32_t> record_writers;  ///< nodes of the work graph that write records of samples
   std::vector<std::uint32_t> colour_writers;  ///< nodes of the work graph that add to samples' colours
   std::vector<traces::WorkNode> spare_nodes;

@@ -11,8 +11,8 @@
 
 namespace kernels {
 
-/// Builds a tile's graph of work, node by node. It reuses the storage of the previous contents and keeps unused nodes
-/// in `spare`. A builder that does not record does nothing.
+/// Builds a tile's graph of work, node by node. The storage of the previous contents is reused; unused nodes are kept
+/// in `spare`. All functions do nothing if recording is off.
 class StreamBuilder {
  public:
   using Node = std::uint32_t;
@@ -24,7 +24,7 @@ class StreamBuilder {
   void set_muted(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
 
-  /// Adds the launch of a kernel. `idle` is the number of inactive iterations after its items.
+  /// Adds the launch of a kernel. `idle` is the number of inactive loop iterations after its items.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
   /// Begins the next item of the last launch, for launches that list memory accesses.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
@@ -34,7 +34,7 @@ class StreamBuilder {
   /// the launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a node that rasterises `count` samples, whose rays `launch` generated, with the last entry of
+  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. Its data are the last entry of
   /// TileWork::raster.
   Node add_rasterisation(std::uint32_t count, Node launch);
   /// Adds a node that bins triangles to screen regions. Its data are the last entry of TileWork::raster.
@@ -57,7 +57,8 @@ class StreamBuilder {
   std::uint32_t launch_sources_ = 0;  ///< index of the first source of the last launch
 };
 
-/// Runs kernels on a tile's buffer. Each launch and transfer becomes a node of the tile's work, which waits for others.
+/// Runs kernels on a tile's buffer. Each launch and transfer becomes a node of the tile's graph of work; nodes wait for
+/// others.
 class TileGraph {
  public:
   using Node = StreamBuilder::Node;
@@ -65,8 +66,8 @@ class TileGraph {
 
   TileGraph(const SceneTables& scene, bool record, TileResult& out);
 
-  /// Runs kernel K over `items` items and records the launch. Unbound ports are bound by name, and the queues that K
-  /// fills get their lengths. `lanes` is the number of items of the classifying kernel's queue; divergent kernels
+  /// Runs kernel K over `items` items and records the launch. Unbound ports are bound by name, and the lengths of the
+  /// queues that K fills are set. `lanes` is the number of items from which K's queue was selected; divergent kernels
   /// (RenderConfig::streams) run over all of them. `padding` is the number of empty entries in K's queue.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
@@ -76,7 +77,8 @@ class TileGraph {
     typename K::template Ports<float> ports;
     return launch<K>(ports, items, lanes);
   }
-  /// Records a launch of kernel K, without memory accesses, whose results the host already has.
+  /// Records a launch of kernel K without running the kernel, because the host already has the results. K has no memory
+  /// accesses.
   template <class K>
   Node record_known(std::uint32_t items) {
     return stream_.add_launch(kKernelId<K>, items, false);
@@ -89,7 +91,7 @@ class TileGraph {
   void wait_for_records(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }
   void register_record_writer(Node node) { scratch_.record_writers.push_back(node); }
-  /// Makes `node` the only node to wait for before colours are read. It must have waited for all earlier ones.
+  /// Makes `node` the only one to wait for before colours are read. The node must wait for all earlier colour writers.
   void replace_colour_writers(Node node) { scratch_.colour_writers.assign(1, node); }
 
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {

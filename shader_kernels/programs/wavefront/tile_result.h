@@ -28,19 +28,19 @@ struct ShownSubpixel {
   std::uint32_t x = 0, y = 0;  ///< position in the picture's grid of sub-pixels
   SubpixelRecord<float> state{};
   glm::vec3 colour{};
-  bool is_background = false;  ///< the sample at its pixel's centre hit nothing
+  bool is_background = false;  ///< the primary ray at the pixel's centre hit nothing
 };
 
 /// Everything that a frame program returns for one entry of its list.
 struct TileResult {
-  /// If not null, the rasteriser that finds primary hits, so that rasterisation is recorded (geometry_pass.h).
+  /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
   std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;  ///< for each pixel, the word of the frame buffer, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::uint64_t continued = 0;  ///< rays that continued after a transparent surface; also included in the counts above
+  std::uint64_t continued = 0;  ///< rays that continued after a transparent surface; `rays` includes them
   Sampling sampling;
   std::vector<SampleMark> marks;          ///< debug marks, per sample or pixel of the tile, row by row
   std::vector<ShownSample> shown;         ///< the tile's samples, row by row, if a later pass needs them
@@ -50,10 +50,10 @@ struct TileResult {
   std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests of the rays' walks; 0 if not recorded
   std::uint64_t triangle_tests = 0;       ///< triangle tests among `traversal_steps`
   bool wants_pixel_work = false;          ///< set before rendering to fill `pixel_work`
-  std::vector<PixelWork> pixel_work;      ///< a pixel may have several entries, and may belong to a neighbour
+  std::vector<PixelWork> pixel_work;      ///< work per pixel; several entries may be for one pixel, also of a neighbour
   traces::TileWork work;                  ///< the graph of work, if it is recorded
   TileBuffer buffer;
-  /// Returns a sample's colour as it enters the mean of its pixel.
+  /// Returns a sample's colour, clamped to [0, 1] as in the mean of its pixel.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
 };
 

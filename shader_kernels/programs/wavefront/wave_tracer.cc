@@ -12,8 +12,8 @@ using traces::RayKind;
 
 namespace {
 
-/// Light below this fraction of min_weight is dropped. By default it is one step of a dark 8-bit sRGB channel. Paths
-/// are dropped earlier, because a sample has few paths, but a picture may have many dark surfaces.
+/// Light below this fraction of min_weight is dropped; by default that is one step of a dark 8-bit sRGB channel. Paths
+/// are dropped at a larger weight, because a sample has few paths, while a picture may have many dark surfaces.
 constexpr float kLeastLight = 0x1p-5F;
 
 }  // namespace
@@ -65,7 +65,7 @@ WaveTracer::Node WaveTracer::trace_once(RayKind kind, RaySlots& slots, std::uint
   return node;
 }
 
-/// Counts the traversal steps of the last rays, for the tile and for their samples.
+/// Counts the traversal steps of the rays traced last, for the tile and for their samples.
 void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
   const std::span walk(out_.work.walk);
   const std::vector<std::uint32_t>& begin = out_.work.ray_begin;

@@ -24,8 +24,8 @@ class WaveTracer {
 
   WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out);
 
-  /// Traces the rays in `count` slots from `first`, which launch `maker` emitted. `is_mapped` means that only some of
-  /// its items emitted rays.
+  /// Traces the rays in `count` slots from `first`, which launch `maker` emitted. `is_mapped`: only some items of that
+  /// launch emitted rays.
   TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                     bool is_mapped);
   /// Finds the hits of a wave's primary rays, which launch `maker` generated. If the frame has a rasteriser,

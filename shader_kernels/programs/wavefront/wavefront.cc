@@ -103,8 +103,8 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
 
 // Stages that record a sample's hits and shadow rays.
 
-/// Records the secondary hit whose ray has the largest weight in the pixel. All rays are compared first, because that
-/// ray may hit nothing.
+/// Records the secondary hit whose ray has the largest weight in its sample. The weights of all rays are compared
+/// first, because the ray with the largest weight may hit nothing.
 template <bool kInstanced>
 Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
@@ -136,7 +136,7 @@ constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch
 /// Returns a hash of the number of the bounce. Its two lowest bits are 0.
 std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 
-/// A number that makes the seeds of occlusion rays differ from those of soft shadows.
+/// Makes the seeds of occlusion rays differ from those of soft-shadow rays.
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
 /// Returns point `n` of a set of `count` points that cover the unit square evenly (Hammersley).
@@ -447,7 +447,7 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   }
 }
 
-/// Emits rays from the selected samples, and adds their results to the samples' visible fractions.
+/// Emits effect rays from the selected samples, and adds the rays' results to the samples' visible fractions.
 void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
                                         float share, std::uint32_t layer) {
   TileBuffer& buffer = wave_.buffer;
@@ -538,7 +538,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   return next;
 }
 
-/// Gives the last `rays` rays of the next wave, which launch `maker` emitted, samples of their own.
+/// Gives samples of their own to the last `rays` rays of the next wave, which launch `maker` emitted.
 void Wavefront::assign_branch_samples(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
   BeginBranch::Ports<float> ports;
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);

@@ -37,8 +37,8 @@ class Wavefront {
   /// Sets the ray cone that all later rays of the tile have.
   void set_cone(const ConeUniforms<float>& cone) { wave_.cone = cone; }
 
-  /// Generates the primary rays of the samples in `list`, which launch `lister` filled, and clears the records selected
-  /// by `retained`. Stores the clearing nodes in `retained`. `ports` must have camera and grid.
+  /// Generates the primary rays of the samples in `list`, which launch `lister` filled. Clears the records that
+  /// `retained` selects, and stores the clearing nodes there. The camera and grid of `ports` must be set.
   Node generate_listed_rays(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
                             std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes = 0);
   /// Traces and shades primary rays and all later bounces. Launch `maker` wrote the primary rays to the first wave, one
