@@ -12,12 +12,13 @@ namespace traces {
 /// Number of a shader kernel; shader_kernels/catalogue.h has the kernels' names and bodies.
 using KernelId = std::uint16_t;
 
-/// One read by a kernel from memory through the SRP's data cache. It names an object and element instead of an address.
+/// One read from memory by a kernel, through the SRP's data cache. It consists of an object and an element instead of
+/// an address.
 struct Access {
   enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle, kInstance };
   // What `element` is depends on the kind: a triangle (kAttributes, kVertices, kTriangle), a material (kMaterial,
   // kDetail) or an instance (kInstance). kTexels reads a bilinear footprint of up to 2 x 2 texels, packed by texels().
-  std::uint32_t object = 0;  ///< kind in the top 3 bits, texture index below
+  std::uint32_t object = 0;  ///< kind of access in the top 3 bits, texture index in the others
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< for kTexels, the opposite corner of the footprint
 
@@ -35,7 +36,7 @@ struct Access {
 struct Edge {
   enum class Kind : std::uint8_t {
     kAll,   ///< a barrier: all items of `node` must finish before any item starts
-    kEach,  ///< item i waits only for item source(i) of `node` (item i itself if the node maps no items)
+    kEach,  ///< item i waits only for item source(i) of `node`, or for item i if the node maps no items
   };
   std::uint32_t node = 0;
   Kind kind = Kind::kAll;
@@ -65,7 +66,7 @@ struct FrameRequirements {
   std::uint32_t tile_samples = 0;     ///< number of samples of a full tile
   std::uint32_t wave_samples = 0;     ///< largest number of samples that a tile traces together; 0: all its samples
   std::uint32_t attribute_bytes = 0;  ///< bytes in the tile buffer of a full tile's samples, without colours
-  std::uint32_t pass_attribute_bytes = 0;  ///< the same bytes in later passes; 0: as in the first pass
+  std::uint32_t pass_attribute_bytes = 0;  ///< `attribute_bytes` of later passes; 0: as in the first pass
   std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
   std::optional<RasterDemands> raster{};  ///< present if the frame needs a rasteriser
   friend bool operator==(const FrameRequirements&, const FrameRequirements&) = default;
@@ -83,7 +84,7 @@ inline constexpr std::uint32_t kMostImports = 32;  ///< largest number of border
 /// A triangle and the work that it causes in the rasteriser.
 struct RasterTriangle {
   std::uint32_t number = 0;                 ///< index of the triangle in the frame
-  std::array<std::uint32_t, 3> vertices{};  ///< indices of its vertices in the frame
+  std::array<std::uint32_t, 3> vertices{};  ///< indices of the triangle's vertices in the frame
   std::uint32_t lists = 0;  ///< for kBin, the number of lists that the triangle is added to; 0 if it is culled
   // Counts for kRaster. "Hidden" means in a block of pixels that nearer surfaces already fill.
   std::uint32_t blocks = 0, hidden_blocks = 0;    ///< blocks of pixels that the triangle may touch
@@ -100,7 +101,7 @@ struct ListRun {
 };
 
 /// Data of a rasteriser node: ranges within TileWork::raster_triangles and TileWork::list_runs. A kBin node writes its
-/// runs. A kRaster node reads them; they have one entry per triangle.
+/// runs. A kRaster node reads its runs, which have one entry per triangle.
 struct RasterWork {
   std::uint32_t first_triangle = 0, triangles = 0;
   std::uint32_t first_run = 0, runs = 0;
@@ -118,14 +119,13 @@ struct WorkNode {
   std::uint32_t first = 0;    ///< kRays: the tile's first ray; kLaunch with accesses: first entry of access_begin
   bool has_accesses = false;  ///< for kLaunch: its items read memory through the data cache
   std::uint32_t idle = 0;     ///< for kLaunch: number of inactive iterations after the last item
-  Region region = Region::kPicture;  ///< for kTransfer: where in memory
-  bool to_memory = true;             ///< for kTransfer: the direction
+  Region region = Region::kPicture;  ///< for kTransfer: the part of memory that it accesses
+  bool to_memory = true;             ///< for kTransfer: true if it writes to memory
   std::uint64_t offset = 0;          ///< for kTransfer: first byte within its region
   /// For kTransfer to memory, the number of the tile's border that it completes. For kTransfer from memory, the index
   /// in TileWork::imports of the border that it reads. Otherwise kNone.
   std::uint32_t border = kNone;
-  std::uint32_t sources = kNone;  ///< for items mapped by kEach edges: first of their entries in TileWork::sources;
-                                  ///< otherwise kNone
+  std::uint32_t sources = kNone;  ///< if kEach edges map items: first entry in TileWork::sources; otherwise kNone
   std::uint32_t raster = kNone;   ///< for kBin and kRaster: index in TileWork::raster
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -142,9 +142,9 @@ struct TileWork {
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
   std::vector<Access> accesses;             ///< accesses of all launches with has_accesses, in item order
-  std::vector<std::uint32_t> access_begin;  ///< for each such item, its first access; then the end
-  std::vector<std::uint32_t> sources;       ///< values of WorkNode::sources; non-decreasing within a node
-  std::vector<RasterWork> raster;           ///< in the order of the nodes that use it, like the next two vectors
+  std::vector<std::uint32_t> access_begin;  ///< for each item of these launches, its first access; then the end
+  std::vector<std::uint32_t> sources;       ///< source items (WorkNode::sources); non-decreasing within a node
+  std::vector<RasterWork> raster;           ///< data of rasteriser nodes, in node order, like the next two vectors
   std::vector<RasterTriangle> raster_triangles;
   std::vector<ListRun> list_runs;
 };

@@ -12,17 +12,17 @@ namespace traces {
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {}, unsigned threads = 0,
                                sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff);
 
-/// Recomputes the boxes of nodes [first, end), which must be whole trees, from their triangles.
+/// Recomputes the boxes of nodes [first, end) of an image from their triangles. The nodes must form whole trees.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end);
 
 /// Updates the memory image of a scene that has moved, by refit or rebuild as BvhConfig selects.
 void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                          sim::Stop stop = nullptr);
 
-/// Updates a one-level image to a moved scene. Triangles, attributes, boxes, scene bounds and lights are recomputed;
-/// the tree, leaf order and addresses stay. The result depends on `posed` and the tree, not on earlier refits. The
-/// farther the scene has moved since the build, the more boxes overlap. `posed` must have the instances and triangles
-/// of the build.
+/// Refits a one-level image to a scene that has moved. Triangles, attributes, boxes, scene bounds and lights are
+/// recomputed; the tree, leaf order and addresses stay. The result depends on `posed` and the tree, not on earlier
+/// refits. The farther the scene has moved since the build, the more boxes overlap. `posed` must have the instances and
+/// triangles of the build.
 void refit_memory_image(const Scene& posed, MemoryImage& image);
 
 }  // namespace traces

@@ -14,7 +14,7 @@
 
 namespace traces {
 
-/// Collects words of canonical walks in a small buffer, so that a step costs one store, and appends them to a WalkSink.
+/// Appends words of canonical walks to a WalkSink, through a small buffer so that a step costs one store.
 class WalkRecorder {
  public:
   explicit WalkRecorder(WalkSink& sink) : sink_(sink) {}
@@ -43,7 +43,7 @@ class WalkRecorder {
   std::array<std::uint32_t, 4096> buffer_;
 };
 
-/// Replaces WalkRecorder if walks are not wanted; it discards all words.
+/// Replaces WalkRecorder if no walks are recorded; discards all words.
 struct NoWalkRecorder {
   void begin_ray() {}
   void make_room() {}

@@ -6,9 +6,9 @@ namespace traces {
 
 /// Functional tracer that traverses the memory image; the only one that records canonical walks (walk.h).
 ///
-/// 1. The root's boxes are tested first. If both boxes of a node are hit, the one entered earlier is near (child 0 if
-/// equal).
-/// 2. The far child is pushed with its entry distance. When popped, it is dropped if it begins beyond the current hit.
+/// 1. The boxes of the root are tested first. If a ray hits both boxes of a node, the near child is the one that it
+/// enters first (child 0 if equal).
+/// 2. The far child is pushed with its entry distance. A popped entry is dropped if it begins beyond the current hit.
 /// 3. The nearest hit wins; of hits at equal distance, the triangle with the lowest `source`.
 /// 4. A shadow ray's walk ends at the first hit of an opaque triangle. A hit of a triangle with flags (alpha-tested or
 /// transparent) becomes the candidate and limits the ray, and the walk continues. The candidate is the result if no hit
@@ -17,8 +17,8 @@ namespace traces {
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
-  /// Which instructions the tracer uses. Both give the same bits; kPortable serves other processors and tests of
-  /// kNative.
+  /// Which instructions the tracer uses. Both choices give the same bits; kPortable serves other processors and tests
+  /// of kNative.
   enum class Arithmetic { kNative, kPortable };
 
   /// `image` must outlive the tracer.

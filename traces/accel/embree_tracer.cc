@@ -23,8 +23,8 @@ inline void rtcInitRayQueryContext(RTCRayQueryContext* context) { rtcInitInterse
 namespace traces {
 namespace {
 
-/// Hits whose distances differ by less than this fraction count as equal, and BvhTracer's rule selects one. It is far
-/// above rounding error, and a tenth of the tolerance with which distances are compared.
+/// Hits whose distances differ by less than this fraction count as equal, and BvhTracer's rule selects one. The
+/// fraction is far above rounding error, and a tenth of the tolerance with which verification compares distances.
 constexpr float kTieOfDistance = 1e-5F;
 constexpr float kTieOfDiagonal = 1e-6F;
 

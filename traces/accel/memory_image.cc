@@ -12,7 +12,7 @@ constexpr std::uint64_t align_to_line(std::uint64_t at) { return (at + 63) & ~st
 
 /// Returns, for each inner node, the indices of its children's records if a record holds a single box. Each tree is
 /// stored depth first with a record per node and leaf: child 0 follows its parent, child 1 follows the subtree of child
-/// 0. A kNoChild link has a record too, because both boxes are read.
+/// 0. A kNoChild link has a record too, because traversal reads the boxes of both children.
 std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
   const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
   // Inner nodes are in depth-first order, so a backward pass sees children before their parents.

@@ -43,18 +43,18 @@ constexpr std::uint32_t instance_link(std::uint32_t instance) { return leaf_link
 constexpr bool is_instance(std::uint32_t link) { return is_leaf(link) && (link & kInstanceBit) != 0; }
 constexpr std::uint32_t link_instance(std::uint32_t link) { return leaf_first(link) & (kInstanceBit - 1); }
 
-/// Bit of an object id: the object is in focus.
+/// Bit of an object id that marks an object of interest (Instance::focus).
 inline constexpr std::uint32_t kFocusObject = 1U << 30;
 
-/// The record of an instance of a mesh, one line. Traversal units read it before they enter the mesh's tree; kernels
-/// read it for hits. The rows are the matrix from world to mesh space; its transposed upper left part transforms
-/// normals to the world.
+/// The record of an instance of a mesh, one line. Traversal units read the record before they enter the mesh's tree;
+/// kernels read it for hits. The rows are the matrix from world to mesh space; its transposed upper left part
+/// transforms normals to the world.
 struct alignas(64) InstanceRecord {
   float to_object[3][4];
   std::uint32_t root;    ///< root node of the tree of the mesh
-  std::uint32_t object;  ///< object id, as in TriangleRecord
+  std::uint32_t object;  ///< object id of the instance, as in TriangleRecord
   float handedness;      ///< -1 if the instance is mirrored, otherwise 1
-  float volume;          ///< factor of volumes: the absolute determinant of the matrix to the world
+  float volume;          ///< factor by which volumes grow: the absolute determinant of the matrix to the world
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
@@ -67,8 +67,7 @@ struct TriangleRecord {
   glm::vec3 v0, v1, v2;
   std::uint32_t object;    ///< object id, with kFocusObject above it; 0 in two levels (see InstanceRecord)
   std::uint32_t material;  ///< material index in the low bits; culled faces and the flags of ray.h above
-  std::uint32_t source;    ///< number before sorting into leaf order: over all instances, or in two levels within the
-                           ///< mesh
+  std::uint32_t source;    ///< number of the triangle in input order: in all instances, or in two levels in its mesh
   std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
@@ -99,11 +98,11 @@ static_assert(sizeof(VertexRecord) == 64);
 /// Flags of MaterialRecord::flags. For each flag up to kOccluded, a kernel lists the surfaces that have it.
 enum MaterialFlag : std::uint32_t {
   kTextured = 1,        ///< has a base texture that only multiplies the diffuse colour
-  kDiffuse = 1U << 1,   ///< scatters light; with a metal_rough texture each texel decides
+  kDiffuse = 1U << 1,   ///< scatters light diffusely; with a metal_rough texture each texel decides
   kMirror = 1U << 2,    ///< mirrors light; with a metal_rough texture each texel decides
   kGlass = 1U << 3,     ///< some light passes through the surface
   kEmissive = 1U << 4,  ///< emits light without a texture
-  kVertexed = 1U << 5,  ///< needs vertex colours, second texture coordinates or tangents
+  kVertexed = 1U << 5,  ///< needs vertex records: colours, second texture coordinates or tangents
   kBased = 1U << 6,     ///< has a base texture that kTextured does not cover
   kPhysical = 1U << 7,  ///< has a metal_rough texture
   kBumped = 1U << 8,    ///< has a normal texture
@@ -120,21 +119,21 @@ enum MaterialFlag : std::uint32_t {
   kOcclusionSecond = 1U << 19,
   kEmissionSecond = 1U << 20,
 };
-inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels run only if a material has the flag
+inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels run only if a scene needs them
 
 /// Material data that every hit reads, 64 bytes, all colours linear. With a metal_rough texture, `mirrored` is 0 and
 /// the other fractions are those of a pure dielectric.
 struct MaterialRecord {
   glm::vec3 base_colour;
-  float diffuse_share;  ///< (1 - mirror) (1 - transmission)
+  float diffuse_share;  ///< fraction of light that is scattered: (1 - mirror) (1 - transmission)
   glm::vec3 mirrored;   ///< mirror * mirror_tint
-  float entering;       ///< (1 - mirror) transmission, which Fresnel's law splits later
+  float entering;       ///< fraction of light that Fresnel's law splits later: (1 - mirror) transmission
   glm::vec3 emission;
   float ior;
-  std::uint32_t base_texture;  ///< index into textures, or kNoTexture
+  std::uint32_t base_texture;  ///< index of the base texture, or kNoTexture
   std::uint32_t flags;         ///< bits of MaterialFlag
-  float opacity;               ///< 1 if the material ignores alpha
-  float alpha_cutoff;          ///< smallest alpha that is opaque with kMasked, otherwise 0
+  float opacity;               ///< alpha of the material; 1 if the material ignores alpha
+  float alpha_cutoff;          ///< with kMasked the smallest alpha that is opaque, otherwise 0
 };
 static_assert(sizeof(MaterialRecord) == 64);
 
@@ -155,8 +154,8 @@ static_assert(sizeof(MaterialDetailRecord) == 64);
 struct Layout {
   std::uint64_t nodes = 0, instances = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::uint32_t node_bytes = sizeof(NodeRecord);
-  /// If a tree record holds a single box: the record indices of each inner node's children. Otherwise empty, and a
-  /// record has the index of its node.
+  /// If a tree record holds a single box: the record indices of each inner node's children. Otherwise empty, and the
+  /// index of a record is that of its node.
   std::vector<std::array<std::uint32_t, 2>> single_boxes;
   std::uint32_t triangle_bytes = sizeof(TriangleRecord);
   /// Address of the triangles' label words, if they are stored apart from the vertices.
@@ -172,7 +171,7 @@ struct Layout {
   static constexpr std::uint32_t kVerticesBytes = 36;
   static constexpr std::uint32_t kLabelBytes = sizeof(TriangleRecord) - kVerticesBytes;
 
-  /// Returns the address of record `i` of the trees.
+  /// Returns the address of tree record `i`.
   std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
   std::uint64_t instance_at(std::uint32_t i) const { return instances + std::uint64_t{i} * sizeof(InstanceRecord); }
   std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }
@@ -209,7 +208,7 @@ struct ObjectTree {
   std::uint32_t only = kNone;  ///< the only instance that uses the tree, if the mesh cannot be shared, otherwise kNone
   bool in_world = false;       ///< the triangles are in world space, because the instance's matrix has no inverse
   std::uint32_t first_triangle = 0, triangles = 0;
-  std::uint32_t first_node = 0;  ///< root node; the tree ends where the next one begins
+  std::uint32_t first_node = 0;  ///< root node of the tree, whose nodes end where the next tree begins
 };
 
 /// The scene as stored in the GPU's memory. It has one of two forms: all instances flattened into world space under one
@@ -217,14 +216,14 @@ struct ObjectTree {
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
   std::vector<InstanceRecord> instances;  ///< in two levels, in the order of Scene::instances; otherwise empty
-  std::vector<ObjectTree> trees;  ///< in two levels, the trees of meshes, shared ones first; only the host reads them
-  std::vector<std::uint32_t> tree_of;     ///< for each instance, the index of its tree; kNone if it has no triangles
+  std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
+  std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
   std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< empty if no material needs them
   std::vector<MaterialRecord> materials;
   std::vector<MaterialDetailRecord> details;  ///< empty if no material needs them
-  std::vector<Texture> textures;              ///< texels row by row; only addresses are tiled
+  std::vector<Texture> textures;              ///< all textures, with texels row by row; only their addresses are tiled
   /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
   /// Each level is a texture of its own, stored after the previous level. Materials name the first level.
   std::vector<std::uint32_t> mip_levels;
@@ -232,7 +231,7 @@ struct MemoryImage {
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
-  std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid of the nodes' boxes
+  std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid on which the planes of all boxes are
   Layout layout;
   bool has_two_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
@@ -245,7 +244,7 @@ struct BvhConfig;
 
 ImageCounts counts_of(const MemoryImage& image);
 
-/// Computes the address of every array. The arrays follow each other, each beginning on a new line.
+/// Computes the addresses of all arrays of an image. The arrays follow each other; each begins on a new memory line.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
 /// Returns the parent of each inner node; a root is its own parent. In two levels, the parents of all instances follow.

@@ -56,7 +56,8 @@ class BoxGrid {
   /// of that of the longest axis, because box tests resolve no finer distances (ray_tests.h).
   BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
 
-  /// Returns the last plane not above `x`, and the first not below it, as integers. `x` must be within the bounds.
+  /// Return the number of the last grid plane not above `x`, and of the first not below `x`. `x` must be within the
+  /// bounds.
   float plane_below(float x, int axis) const;
   float plane_above(float x, int axis) const;
   /// Returns the coordinate of plane `p` of the grid.

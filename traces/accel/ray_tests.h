@@ -27,7 +27,7 @@ struct PortableLanes {
   static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
   void store(float* p) const { std::copy_n(v.data(), 4, p); }
 
-  /// Argument of swap_pairs(): if true, the lower and upper pair of lanes are exchanged.
+  /// Argument of swap_pairs(): if `on`, the lower and upper pairs of lanes are exchanged.
   struct Swap {
     bool on;
     explicit Swap(bool swap) : on(swap) {}
@@ -205,7 +205,8 @@ class RayBoxes {
         inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
         inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
 
-  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds, with which errors grow.
+  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors are
+  /// proportional to it.
   static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
@@ -228,7 +229,7 @@ class RayBoxes {
     return Lanes::from_floats(ahead, ahead, back, back);
   }
   static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
-  /// Returns the reciprocal of direction component `d` in grid steps, limited to that of kTiny.
+  /// Returns the reciprocal of direction component `d` in grid steps, limited to the reciprocal of kTiny.
   static float safe_reciprocal(float d, float step) {
     return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
   }

@@ -71,8 +71,8 @@ bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord&
   return enter <= leave;
 }
 
-/// Classifies whether the face of a triangle that the ray sees exists. `cosine` is between the ray and the normal of
-/// the counter-clockwise face.
+/// Classifies whether the face of a triangle on the ray's side exists or is culled. `cosine` is that between the ray
+/// and the normal of the counter-clockwise face.
 Certainty face_certainty(const TriangleRecord& triangle, double cosine) {
   const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
   const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
@@ -177,7 +177,7 @@ double VerifyingTracer::distance_tolerance(const Ray& ray, double t) const {
 bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
   if (tested.is_hit() != reference.is_hit()) return false;
   if (!tested.is_hit()) return true;
-  // If the reference tracer stopped at a flagged triangle, it gives no answer; the hit itself is tested.
+  // A reference result with flags does not show whether the ray is blocked. The tested hit itself is then checked.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
          (!image_.has_two_levels() || instance_of(tested) == instance_of(reference)) &&

@@ -8,9 +8,9 @@
 
 namespace traces {
 
-/// Whether a ray hits a triangle, in double precision. kUncertain: the hit is within 1e-5 (barycentric) or 1e-6 of the
-/// scene's diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single precision may
-/// then decide either way.
+/// Whether a ray hits a triangle, computed in double precision. kUncertain: the hit is within 1e-5 (barycentric) or
+/// 1e-6 of the scene's diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single
+/// precision may then decide either way.
 enum class Certainty { kMiss, kUncertain, kHit };
 
 struct ExactHit {
@@ -63,7 +63,7 @@ class VerifyingTracer : public Tracer {
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
-  /// True if any hit answers the query, false if the hit must be the nearest.
+  /// True if any hit is a correct result for the ray, false if only the nearest hit is.
   static bool accepts_any_hit(RayKind kind, const Hit& tested) {
     return kind == RayKind::kShadow && !tested.is_flagged();
   }

@@ -11,7 +11,8 @@
 
 namespace traces {
 
-/// Result of rasterising a wave: for each sample, the nearest triangle and counts of work. Storage is reused.
+/// Result of rasterising the samples of a wave: for each sample, the nearest triangle and counts of work. Storage is
+/// reused.
 struct Coverage {
   /// The nearest triangle at a sample.
   struct Winner {
@@ -19,8 +20,8 @@ struct Coverage {
     double depth = 0;
   };
   std::vector<Winner> winners;        ///< nearest triangle, one entry per sample
-  std::vector<std::uint32_t> layers;  ///< number of triangles that cover each sample
-  std::vector<std::uint32_t> quads;   ///< number of triangle quads that contain each sample
+  std::vector<std::uint32_t> layers;  ///< for each sample, the number of triangles that cover it
+  std::vector<std::uint32_t> quads;   ///< for each sample, the number of triangles that cover part of its quad
 
   // Scratch data of the rasteriser: samples sorted by list, block and quad; blocks of a list; lists of a batch's
   // triangles.
@@ -42,11 +43,11 @@ struct Coverage {
 /// produces the work of the hardware unit in hw_models/raster.
 ///
 ///   geometry pass: triangles, a batch at a time -> lists by part of the picture
-///   a wave:        lists of the parts that its samples lie in -> blocks -> quads -> samples, nearest first
+///   a wave:        lists of the parts that contain its samples -> blocks -> quads -> samples, nearest first
 ///
 /// 1. A sample is at the pixel position of its ray. Quads and blocks without samples are skipped.
-/// 2. Pictures take their hits from a Tracer. The rasteriser agrees with it, except for samples on edges and surfaces
-///    at the same depth.
+/// 2. The hits of the picture come from a Tracer. The rasteriser finds the same hits, except for samples on edges and
+///    surfaces at the same depth.
 ///
 /// Not modelled: positions rounded to a sub-pixel grid, as in hardware; all arithmetic is in double precision.
 class Rasteriser {

@@ -31,7 +31,8 @@ RasterGeometry raster_geometry(const MemoryImage& image);
 /// face is culled. Lists are stored one after the other, each in the order of triangles.
 class TriangleLists {
  public:
-  /// `near` is the depth of the near plane, `side` a region's in pixels. `geometry` and `view` must outlive the lists.
+  /// `near` is the depth of the near plane, `side` the side of a screen region in pixels. `geometry` and `view` must
+  /// outlive the lists.
   TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
 
   std::uint32_t list_count() const { return across_ * down_; }

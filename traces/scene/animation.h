@@ -28,7 +28,7 @@ struct Node {
   std::uint32_t parent = kNone;
   glm::mat4 matrix{1};
   Transform rest;
-  std::vector<float> morph_weights;  ///< at rest, the weights of the morph targets of the mesh that this node shows
+  std::vector<float> morph_weights;  ///< rest weights of the morph targets of the mesh that this node shows
 };
 
 /// Key frames of one property of a node, as in glTF. Before the first and after the last key the value is constant.
@@ -44,14 +44,14 @@ struct Track {
 };
 
 struct Skin {
-  std::vector<std::uint32_t> joints;  ///< indices in Scene::nodes
+  std::vector<std::uint32_t> joints;  ///< the skin's joints, as indices in Scene::nodes
   std::vector<glm::mat4> inverse_bind;
 };
 
 /// What a call of pose_scene() has changed.
 struct Moved {
-  bool geometry = false;  ///< an instance, or vertices of a mesh
-  bool view = false;      ///< a camera
+  bool geometry = false;  ///< an instance, or vertices of a mesh, moved
+  bool view = false;      ///< a camera moved
   bool lights = false;
 };
 

@@ -29,13 +29,15 @@ struct FloatImage {
 /// Returns the bytes of a PNG file, with alpha if any texel is not opaque. Throws IoError if encoding fails.
 std::string encode_png(const Texture& texture);
 
-// These functions write a file atomically. Equal pixels and notes give equal bytes. IoError if writing fails.
+// These functions write a file atomically. Equal pixels and notes give equal bytes. They throw IoError if writing
+// fails.
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes = {});
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb);
 
-/// `values` are pixel by pixel, one per channel. `channels` are sorted by name, the order in which readers return them.
+/// `values` has one value per channel for each pixel in turn. `channels` must be sorted by name, the order in which
+/// readers return them.
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const ImageChannel> channels, std::span<const float> values, std::span<const ImageNote> notes);
 

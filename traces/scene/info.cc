@@ -6,7 +6,7 @@
 namespace traces {
 namespace {
 
-/// Returns for each of Scene::nodes whether an animation track moves the node or one of its ancestors.
+/// Returns for each of Scene::nodes whether an animation moves the node or one of its ancestors.
 std::vector<bool> moving_nodes(const Scene& scene) {
   std::vector<bool> moving(scene.nodes.size(), false);
   for (const Track& track : scene.tracks) {

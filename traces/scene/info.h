@@ -15,7 +15,7 @@ struct SceneInfo {
   std::size_t texture_bytes = 0;  ///< bytes of all decoded textures, 4 per texel
   double duration = 0;            ///< length of the animation in seconds; 0 if the scene is still
   std::size_t tracks = 0, skins = 0;
-  std::size_t morph_targets = 0;     ///< sum over all meshes
+  std::size_t morph_targets = 0;     ///< number of morph targets of all meshes together
   std::size_t moving_instances = 0;  ///< instances that are attached to a moving node, or deform
 };
 

@@ -17,11 +17,11 @@ namespace {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// The surface of an emissive instance in world space.
+/// Area, position, normal and bounds of the surface of an emissive instance, in world space.
 struct Emitter {
   double area = 0;
-  glm::dvec3 moment{0};  ///< sum of area x centroid over its triangles
-  glm::dvec3 normal{0};  ///< sum of area x normal over its triangles
+  glm::dvec3 moment{0};  ///< sum of area x centroid over all triangles
+  glm::dvec3 normal{0};  ///< sum of area x normal over all triangles
   Bounds bounds;
 };
 

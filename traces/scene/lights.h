@@ -30,8 +30,8 @@ inline constexpr float kAmbient = 0.15F;
 /// Removes all lights except the one that alone makes the first camera's view brightest.
 void keep_strongest_light(Scene& scene);
 
-/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Needs the
-/// cameras.
+/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Call it after
+/// the cameras are set.
 void finish_lights(Scene& scene);
 
 }  // namespace traces

@@ -12,8 +12,9 @@
 
 namespace traces {
 
-/// Computes the value of a track at a time, `out.size()` numbers. Rotations (four numbers) have unit length; linear
-/// ones follow the shortest arc. Only arithmetic and square roots are used, so that every host gets the same bits.
+/// Computes the value of an animation track at a time: `out.size()` numbers. Rotations (four numbers) have unit length;
+/// linearly interpolated ones follow the shortest arc. Only arithmetic and square roots are used, so that every host
+/// gets the same bits.
 void sample_track(const Track& track, double seconds, std::span<double> out);
 
 /// Computes in `out` the derivative, per second, of a cubic spline track at a time.

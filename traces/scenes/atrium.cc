@@ -28,7 +28,7 @@ constexpr float kLongBay = 3.0F, kShortBay = 2.4F;
 constexpr float kWall = 0.5F;  ///< thickness of the wall of an arcade
 constexpr float kSpring = 3.0F, kUpper = 5.0F, kUpperSpring = 7.3F, kTop = 9.4F;
 
-/// Indices in Scene::textures.
+/// Indices of the atrium's textures in Scene::textures.
 enum Picture : std::uint32_t { kAshlar, kBrick, kFloor, kStone, kWood, kRedBanner, kBlueBanner, kCurtain };
 
 /// Indices of the atrium's materials in Scene::materials.
@@ -594,8 +594,8 @@ void add_cameras(Scene& scene) {
 
 }  // namespace
 
-/// Builds a court with arcades on two storeys, like Marko Dabrovic's and Crytek's atrium of Sponza. It has at least a
-/// quarter of its class's triangles, because it has many different parts.
+/// Builds a court with arcades on two storeys, like Marko Dabrovic's and Crytek's atrium of Sponza. The scene has at
+/// least a quarter of its standard number of triangles, because it has many different parts.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish_court);

@@ -31,8 +31,8 @@ enum class ViewSource : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene", "own"}; }
 
 enum class CameraPath : std::uint8_t {
-  kScene,  ///< as the scene animates it
-  kOrbit,  ///< around the middle of the scene, at the camera's distance and height
+  kScene,  ///< the camera moves as the scene animates it
+  kOrbit,  ///< the camera circles the middle of the scene at its distance and height
 };
 constexpr std::array<std::string_view, 2> names_of(CameraPath) { return {"scene", "orbit"}; }
 

@@ -27,7 +27,7 @@ struct LastAccesses {
 /// Encodes the memory accesses of a tile, launch by launch.
 class AccessWriter {
  public:
-  /// Forgets the previous tile. Call before a tile's first launch.
+  /// Forgets the accesses of the previous tile. Call before a tile's first launch.
   void begin_tile() { last_ = {}; }
   void write_launch(const TileWork& work, const WorkNode& launch, std::string& out);
 

@@ -24,10 +24,10 @@ inline constexpr std::string_view kFormerMagic = "raywatt-trace/3\n";
 inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< start of the magic of all versions
 inline constexpr int kTraceVersion = 4;
 inline constexpr std::string_view kTraceEnd = "end\n";
-inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8 bytes), their size (4), kTraceEnd
+inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8 bytes), their size (4), kTraceEnd (4)
 
 /// Largest unpacked size of each kind of block. The contents are mostly two numbers per tile, 17 to 22 bytes: 23 MB for
-/// a frame of 16384 x 16384 pixels in tiles of 16 x 16. Once read, they take up to 20 times that memory.
+/// a frame of 16384 x 16384 pixels in tiles of 16 x 16. Once read, the contents take up to 20 times that memory.
 inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
@@ -37,9 +37,9 @@ constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
   return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
 }
 
-/// Returns the largest unpacked size that a block of `packed` bytes may have. It keeps the memory that a small file can
-/// take within 30 times its blocks' contents. Only highly repetitive data would pack better.
 inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;
+/// Returns the largest unpacked size that a block of `packed` bytes may have. The limit keeps the memory that a small
+/// file can demand within 30 times its blocks' contents. Only highly repetitive data would pack better.
 constexpr std::uint64_t most_unpacked_bytes(std::uint64_t packed) {
   return std::max(kMaxSmallBlock, kMaxPacking * packed);
 }

@@ -16,7 +16,7 @@ inline constexpr std::uint64_t kLeastPacked = 9;
 /// Packs blocks of bytes with zstd, one frame each, which includes their size and checksum.
 class Packer {
  public:
-  /// `level` is zstd's. Level 1 is enough: a tile consists mostly of walks, which hardly compress.
+  /// `level` is zstd's compression level. Level 1 is enough: a tile consists mostly of walks, which hardly compress.
   explicit Packer(int level = 1);
   /// Packs bytes into a block. The result is valid until the next call.
   std::string_view pack_block(std::string_view bytes);

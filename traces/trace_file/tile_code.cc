@@ -151,7 +151,7 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
-/// Throws unless some node reads all hits: a ray's slot is released when its hit has been read.
+/// Throws unless some node reads all hits of each batch of rays: a ray's slot is released when its hit has been read.
 void check_readers(const TileWork& work) {
   std::vector<bool> read(work.nodes.size()), whole(work.nodes.size());
   for (const WorkNode& node : work.nodes) {
@@ -168,7 +168,7 @@ void check_readers(const TileWork& work) {
   }
 }
 
-/// Throws unless some node reads all imports, because the end of a tile implies that its borders have arrived.
+/// Throws unless nodes read all imports, because the end of a tile implies that its imported borders have arrived.
 void check_imports(const TileWork& work) {
   std::uint32_t read = 0;
   for (const WorkNode& node : work.nodes) {

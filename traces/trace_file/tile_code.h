@@ -24,7 +24,7 @@ inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCoun
 inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;
 inline constexpr std::uint32_t kMaxTileNodes = 1U << 20;
 
-/// Largest values that references in a tile's work may have.
+/// Limits for the references and sizes in a tile's work, by which a decoded tile is checked.
 struct TileScope {
   Links links;
   ImageCounts counts;
@@ -53,8 +53,8 @@ class TileEncoder {
 /// Decodes the work of tiles. It reuses the storage of earlier tiles.
 class TileDecoder {
  public:
-  /// Decodes a tile that any machine can execute. `bytes` must be followed by kBitsPadding bytes. Throws InputError,
-  /// without a file name, if the bytes are not a valid tile within `scope`.
+  /// Decodes a tile and checks that any machine can execute it. `bytes` must be followed by kBitsPadding bytes. Throws
+  /// InputError, without a file name, if the bytes are not a valid tile within `scope`.
   TileRays decode_tile(std::string_view bytes, const TileScope& scope, TileWork& work);
 
  private:

@@ -24,7 +24,7 @@ class TraceReader {
     std::size_t tree = 0;
     FrameRequirements requirements;
     std::uint32_t tiles = 0;
-    std::uint64_t tiles_at = 0;  ///< file offset of the first tile; the others follow
+    std::uint64_t tiles_at = 0;  ///< file offset of the part's first tile; its other tiles follow
     FileRange sizes;
     Json result;
   };

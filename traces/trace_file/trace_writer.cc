@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 20;
 
-/// Opens a new file. A path that cannot be written is an InputError, a disk that fills up later an IoError.
+/// Opens a new file. Throws InputError if the path cannot be written; a disk that fills up later causes an IoError.
 std::unique_ptr<sim::NewFile> open_trace_file(const std::filesystem::path& path) {
   try {
     return std::make_unique<sim::NewFile>(path);
@@ -48,7 +48,7 @@ void OutputFile::commit() {
 
 namespace {
 
-/// Returns the path. Throws if a file is there that is not a trace, and would be overwritten by mistake.
+/// Returns `path`. Throws if the file exists and is not a trace, because it would be overwritten by mistake.
 const std::filesystem::path& check_replaceable(const std::filesystem::path& path) {
   sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;

@@ -19,7 +19,7 @@ class OutputFile {
   /// Throws InputError if the file cannot be created.
   explicit OutputFile(const std::filesystem::path& path);
 
-  /// Throws IoError, possibly because of earlier writes.
+  /// Appends bytes to the file. Throws IoError, possibly because an earlier write failed.
   void write(std::string_view bytes);
   std::uint64_t size() const { return size_; }
   void commit();
@@ -51,9 +51,9 @@ class TraceWriter {
   /// Begins a part of the trace. A tree equal to the previous part's is not stored again.
   void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
   void add_tile(const TileWork& work);
-  /// Ends the part. `result` is the remaining JSON of its report.
+  /// Ends the current part of the trace. `result` is the rest of the part's report, as JSON.
   void end_part(Json result);
-  /// Adds report data of a frame that belong to none of its parts.
+  /// Adds those report data of a frame that belong to none of the frame's parts.
   void end_frame(Json frame) { contents_["frames"].push_back(std::move(frame)); }
   void commit();
 
@@ -72,7 +72,7 @@ class TraceWriter {
   Links links_;
   ImageCounts counts_;
   Json part_;
-  std::uint64_t most_of_tile_ = 0;    ///< largest encoded size of a tile
+  std::uint64_t most_of_tile_ = 0;    ///< largest encoded size of a tile in this part
   std::vector<std::uint32_t> sizes_;  ///< packed sizes of the part's tiles
   std::string bytes_;
 };

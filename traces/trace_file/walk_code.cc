@@ -210,7 +210,7 @@ struct Cursor {
   const std::uint32_t words;  ///< expected number of output words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;
-  std::uint32_t* last;  ///< end of the output, less the room for one step
+  std::uint32_t* last;  ///< end of the output, minus the space for one step
   std::uint64_t at = 0;
   WalkSteps steps;
 

@@ -21,10 +21,10 @@ namespace traces {
 //                                                        after the culled ones is next
 //   end       hit(1)
 
-/// Number of readable bytes that must follow the bits to decode; their values do not matter.
+/// Number of readable bytes that must follow the encoded bits; their values do not matter.
 inline constexpr std::size_t kBitsPadding = 8;
 
-/// Appends the bits of all walks of a tile. Returns false, with `out` unchanged, if a walk does not fit the tree.
+/// Appends the bits of all walks of a tile. Returns false, with `out` unchanged, if a walk is not possible in the tree.
 bool encode_walks(const TileWork& work, const Links& links, std::string& out);
 
 /// Decodes the walks of `rays` rays with `words` words in total, and returns their traversal steps. `bits` must be

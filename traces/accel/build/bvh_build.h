@@ -31,7 +31,7 @@ class BvhBuilder {
   /// The build polls `stop` and throws sim::Cancelled once it returns true.
   BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
   ~BvhBuilder();
-  /// Builds a tree over triangles. Throws InputError if it is too deep.
+  /// Builds a tree over triangles. Throws InputError if the tree is too deep.
   FlatBvh build_over(std::span<const TriangleRecord> triangles) const;
   /// Builds a tree over boxes, with one box per leaf. No box may be empty.
   FlatBvh build_over(std::span<const Bounds> boxes) const;
@@ -43,7 +43,7 @@ class BvhBuilder {
   const std::unique_ptr<const Device> device_;
 };
 
-/// Moves record order[i] to index i for all i. It works in place, along the cycles of the permutation.
+/// Moves record order[i] to index i for all i, in place, along the cycles of the permutation.
 template <class Record>
 void reorder_records(std::span<Record> records, const std::vector<std::uint32_t>& order) {
   std::vector<bool> done(records.size(), false);

@@ -15,7 +15,7 @@ namespace traces {
 struct PlacedMesh {
   const Mesh* mesh = nullptr;
   glm::mat4 to_space{1};     ///< matrix from the mesh's space to that of the stored triangles
-  std::uint32_t object = 0;  ///< TriangleRecord::object
+  std::uint32_t object = 0;  ///< object id of its triangles (TriangleRecord::object)
 };
 
 /// Records that shading kernels read for each triangle, in the order of the triangles.
@@ -34,13 +34,13 @@ std::vector<PlacedMesh> placed_instances(const Scene& scene);
 /// Throws InputError if a mesh has invalid references.
 void check_meshes(const Scene& scene);
 
-/// Appends the triangles of a mesh. The first gets `source` number `base`.
+/// Appends the triangle records of a mesh. Their `source` numbers begin at `base`.
 void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
                       std::vector<TriangleRecord>& out);
 /// Returns the triangles of all meshes, with consecutive `source` numbers. Throws InputError if there are too many.
 std::vector<TriangleRecord> triangle_records(std::span<const PlacedMesh> placed, const MaterialTables& materials);
-/// Returns the shading records of the triangles that triangle_records() returns. It is a separate function, which saves
-/// memory while the tree is built.
+/// Returns the shading records of the triangles that triangle_records() returns. A separate function, so that these
+/// records need no memory while the tree is built.
 ShadingRecords shading_records(std::span<const PlacedMesh> placed, const MaterialTables& materials);
 
 /// Throws InputError if there are too many triangles.

@@ -166,7 +166,7 @@ class Encoding {
   std::array<std::uint16_t, 256> values_{};
 };
 
-/// The texels along one axis that a texel of the next mip level covers, and their weights.
+/// The range of texels along one axis that a texel of the next mip level covers, and their weights.
 struct Cover {
   std::uint32_t first = 0;
   std::array<std::uint64_t, 3> weights{};

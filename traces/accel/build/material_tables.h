@@ -9,8 +9,8 @@ namespace traces {
 /// The material records of a scene, and which optional data its materials need.
 struct MaterialTables {
   std::vector<MaterialRecord> records;        ///< one record per material, at least one
-  std::vector<MaterialDetailRecord> details;  ///< empty if no material needs it, otherwise one entry per record
-  bool needs_vertices = false;                ///< some material is kVertexed
+  std::vector<MaterialDetailRecord> details;  ///< empty if no material needs details, otherwise one entry per record
+  bool needs_vertices = false;                ///< some material needs vertex records (kVertexed)
   bool needs_white = false;                   ///< some triangle needs a transparency test but has no base texture
   bool needs_density = false;                 ///< normals have the texture density as their length
 };

@@ -133,7 +133,7 @@ std::span<Record> tree_records(std::vector<Record>& records, const ObjectTree& t
   return std::span(records).subspan(tree.first_triangle, tree.triangles);
 }
 
-/// Copies the shading records of a tree from the order of the mesh to leaf order.
+/// Copies the shading records of a tree's triangles from mesh order into the image, in leaf order.
 void store_shading(const ShadingRecords& shading, const ObjectTree& tree, MemoryImage& image) {
   for (std::uint32_t i = tree.first_triangle; i < tree.first_triangle + tree.triangles; ++i) {
     const std::uint32_t source = image.triangles[i].source;
@@ -213,7 +213,7 @@ void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder&
   }
 }
 
-/// Returns how many inner nodes a tree has with `leaves` leaves of one item each.
+/// Returns the number of inner nodes of a tree with `leaves` leaves of one item each.
 std::size_t inner_node_count(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
 
 }  // namespace

@@ -26,7 +26,8 @@ MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials
 /// 2. Trees of deforming meshes and of meshes in world space are refitted or rebuilt (bvh.update).
 /// 3. The result depends on `posed` and, for a refit, on the shape of those trees.
 ///
-/// Returns false, with no change, if a matrix lost or gained its inverse, so that other meshes are shared.
+/// Returns false, with no change, if other meshes than before can be shared, because a matrix lost or gained its
+/// inverse.
 bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                        sim::Stop stop = nullptr);
 

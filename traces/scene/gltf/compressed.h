@@ -6,8 +6,8 @@
 namespace traces::gltf {
 
 /// Decodes all primitives that use KHR_draco_mesh_compression into new buffers and accessors, as in an uncompressed
-/// file. `model` is the one that `context` refers to. Memory is taken from the budget before Draco allocates it,
-/// whatever the data claim.
+/// file. `model` is the one that `context` refers to. Memory is taken from the budget before Draco allocates it, so
+/// that data cannot demand too much.
 void expand_draco(Context& context, tinygltf::Model& model);
 
 /// Decodes each buffer view that uses EXT_meshopt_compression or KHR_meshopt_compression into a buffer of its own.

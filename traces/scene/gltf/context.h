@@ -22,7 +22,7 @@ struct Context {
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
-  std::vector<std::uint32_t> scene_nodes{};  ///< Scene::nodes index of each of the file's nodes; kNone: not shown
+  std::vector<std::uint32_t> scene_nodes{};  ///< for each node of the file, its index in Scene::nodes; kNone: not shown
 
   /// Throws InputError with the file's name and `reason`.
   [[noreturn]] void refuse(const std::string& reason) const;
@@ -52,7 +52,7 @@ glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const
 /// Returns a unit quaternion from numbers x, y, z, w. Throws InputError if it is zero.
 glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
 
-/// Returns the matrix with 0, 0, 0, 1 as its last row, as glTF demands.
+/// Returns `matrix` with its last row replaced by 0, 0, 0, 1, as glTF demands.
 glm::mat4 to_affine(glm::mat4 matrix);
 
 /// Returns the object of the extension called `name`, or null.
@@ -68,7 +68,7 @@ glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const c
 /// if the value is not a count.
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
-/// Returns the index `key` of an extension's object, or -1.
+/// Returns the index stored under `key` in an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);
 
 }  // namespace traces::gltf

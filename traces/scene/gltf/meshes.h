@@ -44,7 +44,7 @@ class Meshes {
   std::vector<Placements> placements_;  ///< texture placements of each of the file's materials
   std::uint32_t default_material_ = kNone;
   std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid meshes by glTF mesh and primitive
-  std::vector<float> reaches_;                                 ///< largest coordinate of each of Scene::meshes
+  std::vector<float> reaches_;  ///< for each of Scene::meshes, its largest absolute coordinate
 };
 
 }  // namespace traces::gltf

@@ -24,14 +24,15 @@ struct Property {
   double least = -std::numeric_limits<double>::infinity();  ///< for kNumber: smallest value
   double most = std::numeric_limits<double>::infinity();
   bool is_above = false;       ///< `least` itself is not allowed
-  std::string_view allowed{};  ///< what is allowed, for messages, if the type does not make it clear; for an
+  std::string_view allowed{};  ///< text for messages on what is allowed, if the type does not make it clear; for an
                                ///< enumeration, its values, separated by blanks
   bool is_choice = false;
 };
 
 using ObjectKinds = std::map<std::string_view, std::vector<Property>>;
 
-/// Returns the rules for the objects of glTF 2.0, section 5, by our own names of their kinds; "glTF" is the document.
+/// Returns the rules for all objects of glTF 2.0, section 5. The kinds of objects have names of our own; "glTF" is the
+/// document.
 const ObjectKinds& object_kinds();
 
 /// Returns the rules for the supported extensions and all their objects.
@@ -50,7 +51,8 @@ std::string supported_extensions();
 /// - a value is not one of an enumeration's;
 /// - a number of a material or camera exceeds its range by more than 1e-6; the reader clamps smaller deviations.
 ///
-/// Not checked: properties that glTF does not define, extras, other extensions. `name` is that of the file.
+/// Not checked: properties that glTF does not define, extras, other extensions. `name` is the name of the file in
+/// messages.
 void check_properties(const sim::Json& json, const std::string& name);
 
 }  // namespace traces::gltf

@@ -26,7 +26,7 @@ struct Source {
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget);
 
 /// Returns the relative path that a URI encodes, with percent escapes decoded. Throws InputError, beginning with
-/// `where`, if it has a scheme, is absolute or leaves the file's folder.
+/// `where`, if the URI has a scheme, is absolute or leaves the file's folder.
 std::string local_path(std::string_view uri, std::string_view where);
 
 /// True for a data: URI (RFC 2397).

@@ -32,7 +32,7 @@ class Document {
   int add_array(std::span<const glm::vec4> values, Use use = Use::kVertices);
   int add_array(std::span<const glm::mat4> values);
   int add_array(std::span<const std::array<std::uint16_t, 4>> values);
-  /// `wide` selects indices of 32 bits instead of 16.
+  /// Appends the vertex indices of triangles; `wide` selects 32 bits per index instead of 16.
   int add_array(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);
 
   int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);

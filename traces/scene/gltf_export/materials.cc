@@ -88,7 +88,7 @@ struct Surface {
   bool thin = false;  ///< a sheet of glass that mirrors like any dielectric and does not refract
 };
 
-/// Returns which fraction of a mirror is metallic: the least-squares a of a (base - 1) = mirror (tint - 1).
+/// Returns which fraction of a mirror is metallic: the least-squares solution a of a (base - 1) = mirror (tint - 1).
 float metallic_fraction(const Material& m, const glm::vec3& mean_base) {
   const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
   const float squared = glm::dot(base, base);

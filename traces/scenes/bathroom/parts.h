@@ -14,19 +14,19 @@ inline constexpr float kHalfLength = 1.8F, kHalfWidth = 1.45F, kHeight = 2.5F;
 inline constexpr float kCounter = 0.84F;  ///< height of the counter with the wash basin
 inline constexpr float kTubLeft = -1.74F, kTubHalf = 0.86F, kTubZ = -1.02F, kTubRim = 0.58F;
 
-/// Indices in Scene::textures.
+/// Indices of the bathroom's textures in Scene::textures.
 enum Picture : std::uint32_t { kMarble, kOak, kTerry, kStripes, kLabel };
 void paint_pictures(Scene& scene);
 
-/// Indices in Scene::materials.
+/// Indices of the bathroom's materials in Scene::materials.
 struct Materials {
   std::uint32_t tile, accent, grout, floor, wall, ceiling, enamel, chrome, mirror, glass, oak, stone, white, towel,
       striped, mat, bristle, wire, bottle, blue, green, amber, rose, duck, beak, black, leaf, lamp, water;
 };
 Materials add_materials(Scene& scene);
 
-/// Makes a vessel by sweeping smoothed rings (half length, half depth, height), from the outer foot over the rim to the
-/// inner bottom. `square` selects rounded rectangles instead of ellipses.
+/// Makes a vessel as a smooth surface through rings (half length, half depth, height), from the outer foot over the rim
+/// to the inner bottom. `square` selects rounded rectangles instead of ellipses.
 Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square, std::uint32_t round,
                  std::uint32_t steps);
 

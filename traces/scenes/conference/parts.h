@@ -11,7 +11,7 @@ namespace traces::conference {
 inline constexpr float kHalfLength = 4.6F, kHalfWidth = 3.2F, kHeight = 2.9F;
 inline constexpr float kTableHeight = 0.74F;
 
-/// Indices in Scene::textures.
+/// Indices of the conference room's textures in Scene::textures.
 enum Picture : std::uint32_t { kCarpet, kWood, kTableWood, kFabric, kChart, kHills, kSea, kShapes, kKeys, kPictures };
 void paint_pictures(Scene& scene);
 

@@ -19,7 +19,7 @@
 namespace traces::laboratory {
 namespace {
 
-/// Indices in Scene::materials of the laboratory's materials.
+/// Indices of the laboratory's materials in Scene::materials.
 struct Looks {
   std::uint32_t steel, iron, brass, wood, porcelain, plastic, cork, rubber;
   std::uint32_t tiles, floor, plaster, bench, lacquer, shelf, chart, rail, daylight, lamp;

@@ -11,19 +11,19 @@ namespace traces {
 /// Level of detail of a generated scene: scales the cells of curved surfaces and the numbers of leaves, tufts,
 /// bristles.
 struct Detail {
-  double share = 1;  ///< cells along a line relative to the scene's standard size
+  double share = 1;  ///< number of cells along a line, relative to the standard detail of the scene (1)
 
   /// Returns the number of cells along a line: `at_detail_1` at detail 1, proportional to the detail, at least `least`.
   std::uint32_t cell_count(double at_detail_1, std::uint32_t least = 1) const;
   /// Returns a number of objects that grows with the number of triangles: `at_detail_1` at detail 1, at least `least`.
   std::uint32_t piece_count(double at_detail_1, std::uint32_t least = 1) const;
-  /// Returns a profile with fewer points for scenes of few triangles: every second point between the ends up to half of
-  /// detail 1, every third up to a third.
+  /// Returns a profile with fewer points for scenes of few triangles: every second point below detail 1/2, every third
+  /// below detail 0.34, and the ends.
   std::vector<glm::vec2> coarser_profile(std::span<const glm::vec2> points) const;
 };
 
-/// Returns the detail at which a scene has `triangles` triangles, if it has `at_detail_1` at detail 1. Their number
-/// grows with the square of the detail.
+/// Returns the detail at which a scene has `triangles` triangles, if it has `at_detail_1` triangles at detail 1. The
+/// number of triangles grows with the square of the detail.
 Detail detail_for(double triangles, double at_detail_1);
 
 /// Parameters of the search for a level of detail.
@@ -34,8 +34,8 @@ struct DetailSearch {
   double least = 0.1, most = 10;
 };
 
-/// Searches the detail at which `made` + triangles_at(detail) is close to `wanted`. Starts at detail 1, assumes growth
-/// with the square of the detail, and returns the best detail tried.
+/// Searches the detail at which `made` + triangles_at(detail) is close to `wanted` triangles. Starts at detail 1,
+/// assumes growth with the square of the detail, and returns the best detail tried.
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search = {});
 

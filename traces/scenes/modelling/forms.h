@@ -35,7 +35,7 @@ Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 /// length. `upright` makes u point up on vertical faces, so that wood grain does too.
 void project_uvs(Mesh& mesh, float repeats, bool upright = false);
 
-/// Makes a curtain with `folds` waves of `depth`, from y = height to y = 0 and x = 0 to x = width, gathered above.
+/// Makes a curtain with `folds` waves of `depth`, from y = height to y = 0 and x = 0 to x = width, gathered at the top.
 Mesh make_curtain(std::string name, float width, float height, std::uint32_t folds, float depth, std::uint32_t columns,
                   std::uint32_t rows, std::uint32_t seed);
 

@@ -32,7 +32,7 @@ struct ViewKey {
   glm::vec3 eye, target;
 };
 /// Adds a camera that moves smoothly (Catmull-Rom) through the keys: a node with translation and rotation tracks,
-/// sampled `samples` times between two keys. At rest it is at the first key.
+/// sampled `samples` times between two keys. The rest position of the camera is that of the first key.
 void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> keys, float vertical_fov,
                      std::uint32_t samples = 8);
 

@@ -36,8 +36,8 @@ struct Tree {
 /// Makes a tree's trunk, branches and twigs as tubes. Bark repeats once around the trunk and every `bark` metres along.
 Tree make_tree(std::string name, const TreeShape& shape, float bark = 1);
 
-/// Shape of the leaves of a tree. They are two triangles each, spread over the twigs with random rotation, facing
-/// roughly away from `centre`. Each shows another small piece of the texture, so that colours vary.
+/// Shape of the leaves of a tree. Each leaf is two triangles. Leaves are spread over the twigs with random rotation and
+/// face roughly away from `centre`. Every leaf shows another small piece of the texture, so that colours vary.
 struct LeafShape {
   float length = 0.25F, width = 0.14F;
   float scatter = 0.3F;  ///< largest distance from the twig

@@ -12,8 +12,8 @@ namespace traces {
 // Basic shapes. They use only +, *, /, square roots and trigonometry.h, so that every compiler and library gives the
 // same bits. All have normals and texture coordinates; front faces are counter-clockwise seen from outside.
 
-/// Makes the parallelogram `corner`, `corner + u`, `corner + v` of cells x cells squares. The normal is along u x v;
-/// texture coordinates run from 0 to `repeats`.
+/// Makes a parallelogram with corners `corner`, `corner + u` and `corner + v`, divided into cells x cells parts. The
+/// normal is along u x v; texture coordinates run from 0 to `repeats`.
 Mesh make_quad(std::string name, const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, std::uint32_t cells,
                float repeats = 1);
 
@@ -79,7 +79,7 @@ std::vector<glm::vec3> catmull_rom(std::span<const glm::vec3> points, std::uint3
 
 /// Makes a cylinder along +y from y = 0, with caps.
 Mesh make_cylinder(std::string name, float radius, float height, std::uint32_t segments);
-/// Makes a cone along +y, closed below. With a `top_radius` of 0 it has a point.
+/// Makes a cone along +y, closed below. With a `top_radius` of 0 the cone has a point.
 Mesh make_cone(std::string name, float radius, float top_radius, float height, std::uint32_t segments);
 /// Makes a torus around the y axis.
 Mesh make_torus(std::string name, float radius, float tube_radius, std::uint32_t segments, std::uint32_t sides);
@@ -98,7 +98,8 @@ class Outline {
  public:
   explicit Outline(const glm::vec2& start) : points_{start} {}
   Outline& line_to(float radius, float height);
-  /// Adds a curve to a point; the middle of the curve is `bulge` outside the straight line (negative: inside).
+  /// Adds a curve to the point (radius, height). The curve's middle is `bulge` outside the straight line (negative:
+  /// inside).
   Outline& arc_to(float radius, float height, float bulge);
   /// Adds an arc about `centre`, between two angles in turns: 0 is outwards, 0.25 up.
   Outline& add_round(const glm::vec2& centre, float radius, double from, double to);
@@ -111,8 +112,9 @@ class Outline {
 /// Returns the `count` points that best keep the line's shape, ends included.
 std::vector<glm::vec2> simplify_line(std::vector<glm::vec2> points, std::size_t count);
 
-/// Makes a solid of revolution whose points `shape(around, k, point)` may move: `around` is in turns, `k` the index in
-/// the profile. It is smooth, except that a repeated profile point makes an edge.
+/// Makes a solid of revolution that `shape(around, k, point)` may deform. It returns the new position of each point;
+/// `around` is in turns, `k` the index in the profile. The surface is smooth, but a repeated profile point makes an
+/// edge.
 Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::uint32_t segments,
                  const std::function<glm::vec3(float around, std::size_t k, const glm::vec3& point)>& shape);
 

@@ -7,7 +7,7 @@
 
 namespace traces::village {
 
-/// Indices in Scene::materials of the materials of a house.
+/// Indices of a house's materials in Scene::materials.
 struct Paints {
   std::uint32_t wall, roof, timber, shutter, glass, door, stone;
 };
@@ -21,7 +21,7 @@ struct HouseShape {
   float chimney = 0.3F;       ///< position of the chimney along the ridge, -0.5 to 0.5
 };
 
-/// Indices of meshes, one per material, that are shown together with one instance each.
+/// Indices of the meshes of a building, one per material; each gets one instance wherever the building is shown.
 using Building = std::vector<std::uint32_t>;
 
 Building add_house(Scene& scene, const std::string& name, const HouseShape& shape, const Paints& paints, float detail);

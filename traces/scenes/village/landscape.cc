@@ -192,7 +192,7 @@ enum Kind : std::uint32_t { kOak, kPoplar, kApple, kSpruce, kBirch, kMaple, kBus
 
 struct Species {
   const char* name;
-  TreeShape shape;  ///< without a height it is a bush
+  TreeShape shape;  ///< shape of the tree; a bush if the height is 0
   LeafShape leaf;
   glm::vec3 dark, light;
   float weight;  ///< fraction of all leaves that the plant gets

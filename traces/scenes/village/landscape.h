@@ -16,7 +16,8 @@ inline constexpr float kStreetStart = 92, kStreetEnd = -40;
 
 inline constexpr glm::vec2 kChurch{-8, -64}, kMill{-74, -66}, kSquare{-1, -6};
 
-/// Makes land between two circles about the origin. Texture coordinates are metres from the middle / `texture_size`.
+/// Makes land between two circles about the origin. Texture coordinates are the position in metres divided by
+/// `texture_size`.
 Mesh make_land(std::string name, float from, float to, std::uint32_t round, std::uint32_t rings, float texture_size);
 
 /// Makes a rotated rectangle of land of `size` about `middle`, `above` the ground.
