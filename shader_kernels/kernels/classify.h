@@ -35,7 +35,7 @@ void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::Material
   stream.store(count.next_index(has_class<V>(classes, bit)), {slot});
 }
 
-/// Sorts surfaces by material: each one is appended to the list of each of its material classes.
+/// Sorts surfaces by material: appends each surface to the lists of all common material classes that it has.
 struct ClassifySurfaces {
   static constexpr std::string_view kName = "classify_surfaces";
   static constexpr std::string_view kMeaning = "surface -> streams textured, diffuse, mirror, glass, emissive";
@@ -62,8 +62,8 @@ struct ClassifySurfaces {
   }
 };
 
-/// Sorts surfaces by the rarer material classes: each one is appended to the list of each such class that it has.
-/// Launched only if the scene has such a class.
+/// Sorts surfaces by material: appends each surface to the lists of all rare material classes that it has. Launched
+/// only if the scene has such a class.
 struct ClassifyDetails {
   static constexpr std::string_view kName = "classify_details";
   static constexpr std::string_view kMeaning = "surface -> streams absorbing, vertexed, based, physical, bumped, ...";

@@ -230,8 +230,8 @@ struct ShadeGlow {
   }
 };
 
-/// Subtracts the ambient light that a surface's occlusion texture removes. The kernel shade_ambient has added ambient
-/// light without it.
+/// Subtracts the ambient light that a surface's occlusion texture removes. The kernel shade_ambient has added the full
+/// ambient light before.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =

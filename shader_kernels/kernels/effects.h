@@ -32,7 +32,7 @@ struct UnitPoint {
 };
 
 /// Returns the random point in the unit square for one ray of an effect. `hit_direction`: direction of the ray that hit
-/// the surface. It is the hash key, because its bits are the same for any tile size, order and tracer.
+/// the surface. This direction is the hash key, because its bits are the same for any tile size, order and tracer.
 template <class V>
 UnitPoint<V> random_point_in_square(const Vec3<V>& hit_direction, const RandomPointUniforms<V>& draw) {
   const I<V> key = (bits_of(hit_direction.x) * 0x9e3779b1U) ^ (bits_of(hit_direction.y) * 0x85ebca77U) ^
@@ -102,7 +102,7 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
 
 /// Emits soft-shadow rays, with one launch per light and ray; replaces shade_diffuse. A ray goes to a point of the
 /// light's disc and ends one radius before it, so that the lamp's own geometry cannot block the ray. The light is
-/// computed for the disc's centre. With kShareAlone a ray carries its fraction of the light source instead of light.
+/// computed for the disc's centre. With kShareAlone a ray carries only a weight, 1 / number of rays, instead of light.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
@@ -163,8 +163,8 @@ struct CastAmbientPorts {
 };
 
 /// Emits ambient-occlusion rays, with one launch per ray of a surface; replaces shade_ambient. Directions are
-/// cosine-distributed, so all rays have the same weight. With kShareAlone a ray carries a fraction of the ambient light
-/// instead of the light.
+/// cosine-distributed, so all rays have the same weight. With kShareAlone a ray carries only a weight, 1 / number of
+/// rays, instead of light.
 template <bool kShareAlone>
 struct CastAmbient {
   static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";
@@ -173,7 +173,7 @@ struct CastAmbient {
                                                    : "diffuse surface -> ray that brings a share of its ambient light";
   template <class V>
   struct Ports : CastAmbientPorts<V> {
-    F<V> share;  ///< fraction of the ambient light that one ray carries; used only if kShareAlone
+    F<V> share;  ///< weight that one ray carries, 1 / number of rays; used only if kShareAlone
     static constexpr void describe(auto& p, auto&& port) {
       CastAmbientPorts<V>::describe(p, port);
       if constexpr (kShareAlone) port(NAMED(p.share));
@@ -267,7 +267,7 @@ struct ClearEffects {
   }
 };
 
-/// Adds the fraction of a light source that an effect ray carries to its sample's visible fraction, unless the ray was
+/// Adds the weight of an effect ray to the visible fraction of the light source at its sample, unless the ray was
 /// blocked.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
@@ -313,7 +313,7 @@ struct UpsampleEffects {
     Local<V, ColourRecord> colours;
     F<V> x0, y0;  ///< picture position of the first pixel that the tile finishes
     F<V> bend;
-    I<V> apart;  ///< offset from the number of a sample to that of its record for this light source
+    I<V> apart;  ///< index offset of the records that belong to this light source
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.lights, p.ratios, p.colours, p.x0, p.y0, p.bend, p.apart));

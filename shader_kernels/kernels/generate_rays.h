@@ -90,7 +90,7 @@ struct GenerateJitteredRays {
   }
 };
 
-/// Samples per pixel in reconstruct, which is also the number of rows of their grid.
+/// Number of samples per pixel in the program reconstruct; also the number of rows of their grid.
 inline constexpr std::uint32_t kGeometrySamples = 4;
 
 /// Returns the grid column of sample k of four in a pixel: row k of 4 x 4 cells has its sample in column (2 k + 1) mod
@@ -176,8 +176,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four primary rays for each sub-pixel that needs more samples. The rays are those of generate_jittered_rays
-/// with 16 samples per pixel that are in that quarter of the pixel.
+/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). Of the 16 rays that
+/// generate_jittered_rays would generate for the pixel, they are those in that quarter.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
@@ -221,7 +221,7 @@ struct VisibleRayPorts {
   Local<V, PathRecord> paths;
   Local<V, VisibleRecord> visible;
   CameraUniforms<V> camera;
-  GridUniforms<V> grid;  ///< coordinates are in pixels
+  GridUniforms<V> grid;  ///< grid of the tile's pixels; coordinates are in pixels
   LatticeUniforms<V> lattice;
   static constexpr void describe(auto& p, auto&& port) {
     name_all(port, NAMED_ALL(p.rays, p.paths, p.visible));

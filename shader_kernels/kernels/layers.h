@@ -18,7 +18,7 @@ struct LayerPorts {
   Hits<V, kInstanced> hits;
   Attributes<V> attributes;
   Materials<V> materials;
-  Vertices<V> vertices;  ///< used only if kColoured
+  Vertices<V> vertices;  ///< vertex records; only in kColoured variants
   Table<V, AxisRecord> axes;
   Texels<V> texels;
   Local<V, RayRecord> next_rays;

@@ -156,7 +156,7 @@ class ShadedAround {
     M<V> inside;
   };
   using Steps = std::array<Step, 2 * kRadius>;
-  /// Returns the steps from column or row `from` to those at distances -kRadius to kRadius, except 0.
+  /// Returns the offsets from column or row `from` to the columns or rows at distances -kRadius to kRadius, except 0.
   /// `samples` converts a distance in pixels to samples.
   static Steps bounded_steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
@@ -426,7 +426,7 @@ struct GenerateContrastRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    GridUniforms<V> grid;  ///< coordinates are in pixels
+    GridUniforms<V> grid;  ///< grid of the tile's pixels; coordinates are in pixels
     FinishedUniforms<V> finished;
     F<V> apart;
     static constexpr void describe(auto& p, auto&& port) {

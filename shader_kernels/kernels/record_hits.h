@@ -236,7 +236,7 @@ struct RecordSurface {
 template <class V>
 struct BounceUniforms {
   I<V> way;
-  I<V> mirrored, refracted;  ///< first ray slots of mirrored and of refracted rays; straight rays have the slots before
+  I<V> mirrored, refracted;  ///< first ray slots of mirrored and of refracted rays; straight rays precede them
   F<V> first;                ///< 1 in the bounce whose normals are recorded, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
@@ -417,8 +417,9 @@ struct RecordGlobal {
   }
 };
 
-/// Returns the largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two
-/// faint colours differ by at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold`.
+/// Returns the channel value up to which a colour is faint, so that two faint colours always pass a colour check with
+/// `threshold`. Channels up to 0.0031 are encoded as 12.92 times themselves, so faint colours differ by at most 3^(1/2)
+/// x 12.92 x 0.04 = 0.9 of `threshold`.
 inline float largest_faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
 /// Counts the samples whose global colour is not faint. Two faint colours always pass the colour check.
@@ -430,7 +431,7 @@ struct CountColoured {
     Local<V, WordRecord> samples;
     Local<V, ColourRecord> globals;
     Counter<V> coloured_count;
-    F<V> faint;  ///< largest channel of a faint colour
+    F<V> faint;  ///< largest channel value of a colour that counts as faint
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.samples, p.globals, p.coloured_count, p.faint));
     }

@@ -16,7 +16,7 @@ enum class MipFilter : std::uint8_t {
   kLinear,   ///< the two nearest levels, blended (trilinear)
 };
 
-/// Returns the one of three names that belongs to the kernel variant with filter kMips.
+/// Returns the name of a kernel variant: one of three names, selected by the mip filter kMips.
 template <MipFilter kMips>
 constexpr std::string_view name_by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
   return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;

@@ -82,7 +82,7 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
           high(vertices.blue_alpha0, vertices.blue_alpha1, vertices.blue_alpha2)};
 }
 
-/// Returns that one of four names which belongs to the kernel variant with or without instances and ray cones.
+/// Returns the name of a kernel variant: one of four names, with or without instances and with or without ray cones.
 template <bool kInstanced, bool kCones>
 constexpr std::string_view name_by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
                                            std::string_view cones_instanced) {
@@ -113,13 +113,13 @@ struct ShadeSurface {
     Local<V, RayRecord> rays;
     Hits<V, kInstanced> hits;
     Attributes<V> attributes;
-    Instances<V> instances;  ///< used only if kInstanced
+    Instances<V> instances;  ///< instance records; only in kInstanced variants
     Materials<V> materials;
     Local<V, SurfacePointRecord> points;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
-    ConeUniforms<V> cone;  ///< used only if kCones
+    ConeUniforms<V> cone;  ///< ray cones of the frame; only in kCones variants
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.surfaces, p.rays, p.hits, p.attributes));
       if constexpr (kInstanced) port(NAMED(p.instances));
@@ -180,7 +180,7 @@ struct FetchVertices {
     Local<V, SpecularRecord> optics;
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
-    Instances<V> instances;  ///< used only if kInstanced
+    Instances<V> instances;  ///< instance records; only in kInstanced variants
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.vertexed, p.hits, p.mattes, p.optics, p.tangents, p.vertices));
       if constexpr (kInstanced) port(NAMED(p.instances));

@@ -171,7 +171,7 @@ struct CheckSimilarity {
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
-    Local<V, ColourRecord> colours;      ///< like the next two ports used only if kTexture
+    Local<V, ColourRecord> colours;      ///< colours of samples; like the next two ports only in kTexture variants
     F<V> texture_squared, rate_squared;  ///< squared colour distances above which a sample fails, or passes as rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {

@@ -140,10 +140,10 @@ struct TestSubpixels {
     Local<V, TraitsRecord> traits, secondary;
     Local<V, ColourRecord> colours;
     Local<V, WordRecord> verdicts;
-    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds; one above 1 is never reached
+    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds of attributes; above 1: never reached
     F<V> same_normal;
     I<V> compared;         ///< attributes to compare, as bits
-    I<V> focus, textured;  ///< flags of an object that is in focus, and of one with a texture
+    I<V> focus, textured;  ///< bits of object ids: of objects in focus, of textured objects
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.traits, p.secondary, p.colours, p.verdicts));
@@ -348,8 +348,8 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// Adds the samples of a listed pixel's active sub-pixels to its sum from weigh_centres, in the order of a frame with
-/// 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row; the last completes its sum.
+/// Adds the samples of a listed pixel's active sub-pixels to the sum that weigh_centres has stored, in the order of a
+/// frame with 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row; the last completes the sum.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -408,7 +408,7 @@ struct StateUniforms {
     port(s.pitch, "states.pitch");
   }
 };
-/// Returns the index in the array of states of a sub-pixel, numbered pixel * 4 + sub-pixel.
+/// Returns the index of a sub-pixel's state in the array of states. Sub-pixels are numbered pixel * 4 + sub-pixel.
 template <class V>
 F<V> state_index(const I<V>& subpixel, const StateUniforms<V>& states) {
   const DivMod<V> pixel = div_mod<V>(to_float(subpixel >> 2U), states.width, states.inverse_width);
@@ -425,7 +425,7 @@ SubpixelRecord<V> pack_state(const Vec3<V>& colour, const I<V>& cause) {
   return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | cause};
 }
 
-/// Stores the colour of an active sub-pixel, the mean of its four samples, in its state for propagation.
+/// Stores the mean colour of an active sub-pixel's four samples in its state, which rounds of propagation read.
 struct SettleSubpixels {
   static constexpr std::string_view kName = "settle_subpixels";
   static constexpr std::string_view kMeaning = "listed sub-pixel, its four samples -> its colour and state";
@@ -436,7 +436,7 @@ struct SettleSubpixels {
     Local<V, ColourRecord> colours, shown;
     Local<V, SubpixelRecord> states;
     F<V> first_sample;
-    I<V> round;  ///< number of the round of propagation, shifted to its place in a state word
+    I<V> round;  ///< number of this round of propagation, shifted to its bits in a state word
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port, NAMED_ALL(p.active, p.verdicts, p.colours, p.shown, p.states, p.first_sample, p.round));
@@ -509,8 +509,8 @@ struct PropagateSubpixels {
     Local<V, WordRecord> verdicts, active, masters;
     Counter<V> active_count, masters_count;
     Carried<V> last_master;                    ///< the pixel that was listed last
-    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds; one above 1 is never reached
-    I<V> round;  ///< number of the previous round of propagation, shifted to its place in a state word
+    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds of attributes; above 1: never reached
+    I<V> round;  ///< number of the previous round of propagation, shifted to its bits in a state word
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port,

@@ -37,7 +37,7 @@ struct TileUniforms {
   F<V> x0, y0;                    ///< picture position of the tile's first pixel
   F<V> width, inverse_width;      ///< pixels per row of the tile
   F<V> samples, inverse_samples;  ///< samples per pixel, `grid` squared
-  F<V> grid, inverse_grid;        ///< side of a pixel's sample grid
+  F<V> grid, inverse_grid;        ///< samples along the side of a pixel
   static constexpr void describe(auto& c, auto&& port) {
     port(c.x0, "tile.x0");
     port(c.y0, "tile.y0");

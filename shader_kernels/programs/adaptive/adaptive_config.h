@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Where a tile's halo samples come from: reloaded from memory, where the neighbour writes them, or traced again.
+/// Where a tile's halo samples come from: memory, to which the neighbouring tile writes them, or tracing them again.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
@@ -142,8 +142,8 @@ constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"ne
 inline constexpr std::uint32_t kMostRounds = 14;
 
 /// Keys of selective and adaptive supersampling (Jin et al. 2009). Each attribute that differs between pixels has a
-/// contrast threshold: at 0 every such sub-pixel is sampled, at 1 none, and -1 excludes the attribute from the
-/// comparison. Every key changes the recorded work.
+/// contrast threshold: at 0 every sub-pixel at which it differs is sampled, at 1 none, and -1 excludes the attribute
+/// from the comparison. Every key changes the recorded work.
 struct SupersampleConfig : AdaptiveConfig {
   double colour = 0.6;
   double object = 0.05, normal = 0.06, shadow = 0.06, texture = 0.6;

@@ -69,7 +69,7 @@ struct BlockLines {
   LineUniforms<float> uniforms{};
   bool along_y = false;
   std::uint32_t samples = 0;
-  bool is_own = true;  ///< false for samples of a neighbouring tile
+  bool is_own = true;  ///< the samples belong to the tile itself, not to a neighbour
 };
 
 /// Result of launching a check: the launch, and how many samples it appended to the queues `passed` and `failed`.
@@ -127,7 +127,7 @@ class BlockTile {
   bool can_pack_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
   /// Averages the samples of each pixel and writes the pixels to the frame buffer.
   void average_pixels();
-  /// Writes pixels to the frame buffer that launch `packed` has encoded.
+  /// Writes the pixels that launch `packed` has encoded to the frame buffer.
   void write_packed_pixels(Wavefront::Node packed);
   /// Completes the tile's graph of work and counts its samples.
   void finish();

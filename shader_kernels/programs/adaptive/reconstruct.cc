@@ -106,7 +106,7 @@ VisibleSamples ReconstructProgram::records_to_keep(bool are_shaded) const {
   return records;
 }
 
-/// Traces the shaded samples of one rectangle of pixels, and the other samples of another one.
+/// Traces the shaded samples in one rectangle of pixels, and the samples that are not shaded in another.
 void ReconstructProgram::trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const {
   const Node cleared = clear_branches(tile, shaded);
   trace_shaded(tile, shaded, cleared);
@@ -339,7 +339,7 @@ void ReconstructProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// If attributes are kept in DRAM, writes all of them there and reads them back.
+/// Writes the attributes of all samples to DRAM and reads them back, if attributes are kept there.
 void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo_width() : 0);

@@ -228,7 +228,7 @@ void SupersampleProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// If attributes are kept in DRAM, writes all of them there and reads them back.
+/// Writes the attributes of all samples to DRAM and reads them back, if attributes are kept there.
 void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);

@@ -91,8 +91,8 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Returns how many bytes of the tile buffer wait for the DMA while rays are traced: those of one chunk. Other data of
-/// sub-pixels reuse the slots of finished rays.
+/// Returns how many bytes of the tile buffer wait for the DMA while rays are traced: colours and states of one chunk.
+/// Other data of sub-pixels reuse the slots of finished rays.
 std::uint32_t SupersampleProgram::dma_waiting_bytes() { return kChunk * kShownBytes; }
 
 /// Writes colours and states of all sub-pixels as if none were active. apply_round() later overwrites the active ones.
@@ -290,7 +290,7 @@ void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::
   put(fresh_flag_address(tile.at.index, round), 1);
 }
 
-/// Loads from memory into the tile buffer the colours of a pixel's other sub-pixels.
+/// Loads from memory the colours of those sub-pixels of a pixel that this round has not sampled.
 void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;

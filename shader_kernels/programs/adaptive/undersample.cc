@@ -388,7 +388,7 @@ Wavefront::Node UndersampleProgram::record_suspect_search(TileGraph& graph, std:
 }
 
 /// Traces the samples that a scan corrects in a tile, round by round, and writes the corrected pixels. `found` is the
-/// launch that found the first ones.
+/// launch that found the first of them.
 void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at,
                                          Wavefront::Node found) const {
   TileGraph& graph = wave.tile_graph();

@@ -40,7 +40,8 @@ class PostCorrection {
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
   std::uint32_t scan_count() const;
-  /// Returns the direction of a scan, in the paper's order: right, left, down, up; with two scans right, down.
+  /// Returns the direction of scan `number`, in the order of the paper: right, left, down, up; with two scans right,
+  /// down.
   Scan scan_direction(std::uint32_t number) const {
     return {2 * number >= scan_count(), scan_count() == 4 && number % 2 == 1};
   }
@@ -74,7 +75,7 @@ class PostCorrection {
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
   std::vector<std::uint32_t> identities_;  ///< identity words of all samples, surrounded by words without identity
-  std::vector<std::uint16_t> rounds_;      ///< as identities_: round in which the current scan traced the sample
+  std::vector<std::uint16_t> rounds_;      ///< per identity word: round in which this scan traced the sample
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> line_, found_;
   std::vector<Suspect> fresh_, all_;

@@ -29,20 +29,21 @@ class FrameProgram {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  /// Returns the number of entries of all passes together.
+  /// Returns the number of entries (mostly tiles) in all passes of the frame.
   virtual std::uint32_t tiles() const = 0;
   /// Returns the number of tiles across and down, or 0 if the entries are not tiles of a grid.
   virtual TileCounts tile_counts() const { return {}; }
-  /// Returns the index after the last entry of the pass that contains entry `tile_index`.
+  /// Returns the index after the last entry of the rendering pass that contains entry `tile_index`.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;
 
-  /// Prepares the pass that begins with entry `tile_index`. Called after all earlier entries have been committed.
+  /// Prepares the rendering pass that begins with entry `tile_index`. Called after all earlier entries have been
+  /// committed.
   virtual void begin_pass([[maybe_unused]] std::uint32_t tile_index, [[maybe_unused]] const traces::Tracer& tracer) {}
-  /// Renders an entry into `out`, and records its work if `record` is set. Entries of a pass may run on any number of
-  /// threads, each with its own `out`, whose storage is reused.
+  /// Renders an entry, mostly a tile, into `out`. Records its work if `record` is set. Entries of a pass may run on any
+  /// number of threads, each with its own `out`, whose storage is reused.
   virtual void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
-  /// Adds the results of an entry to the frame. Called once per entry, in list order.
+  /// Adds the results of a rendered entry to the frame. Called once per entry, in list order.
   virtual void commit_tile(const TileResult& tile);
 
   /// Returns the picture with all entries committed so far: linear RGB, row by row.

@@ -63,7 +63,7 @@ struct SceneTables {
   bool has_secondary;            ///< some surface may emit secondary rays
   bool has_textures;             ///< some surface may fail a similarity check because of its textures
   bool has_occlusion;            ///< some surface has an occlusion texture
-  bool has_alpha, has_shades;    ///< hits of nearest-hit rays, or of shadow rays, may require a transparency test
+  bool has_alpha, has_shades;    ///< hits may need a transparency test: of nearest-hit rays, of shadow rays
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
   /// True if ambient light is not occluded and each light casts one shadow ray.
   bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }

@@ -18,7 +18,7 @@ struct VisibleSamples {
   bool are_shaded = true;    ///< false if the samples' hits are found but not shaded
   bool have_shadows = true;  ///< shadow rays are cast, and blocked ones recorded
   std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< largest number of rays in a path from the eye
-  std::uint32_t mirrored = 0, refracted = 0;  ///< offset from a surface's sample to that of its ray; 0: not kept
+  std::uint32_t mirrored = 0, refracted = 0;  ///< offset of the samples of mirrored and refracted rays; 0: none
   EyeUniforms<float> eye{};
   float depth_scale = 0;
   bool keeps_branch(std::uint32_t bounce) const { return are_kept && bounce == 2 && (mirrored | refracted) != 0; }
@@ -30,7 +30,7 @@ struct VisibleSamples {
 /// How a wave treats effects for which only some samples emit rays (kernels/effects.h).
 struct LowRateEffects {
   bool are_low_rate = false;
-  std::uint32_t layer = 0;     ///< offset between a sample's data of one light and of the next
+  std::uint32_t layer = 0;     ///< index offset from the data of one light to the data of the next
   GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
@@ -52,7 +52,7 @@ struct WaveBounce {
   using Node = TileGraph::Node;
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
-  std::uint32_t lanes = 0, padding = 0;                     ///< arguments of TileGraph::launch()
+  std::uint32_t lanes = 0, padding = 0;                     ///< arguments of the same name of TileGraph::launch()
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
   std::array<TracedBatch, 3> batches{};
@@ -63,7 +63,7 @@ struct WaveBounce {
   Node after = TileGraph::kNone;      ///< last node of the previous bounce that changes colours
   Node fetched = TileGraph::kNone;    ///< node that wrote the surfaces; the next stage waits for it item by item
   Node inspector = TileGraph::kNone;  ///< node that filled the queues that the stages read
-  Node colours = TileGraph::kNone;    ///< node that wrote base colours, if textures did so after the inspector
+  Node colours = TileGraph::kNone;    ///< node that changed base colours by textures, if any
   Node recorded = TileGraph::kNone;   ///< node that recorded the hits
 };
 
@@ -83,7 +83,7 @@ struct StageInput {
   std::uint32_t items = 0, lanes = 0;
   std::uint32_t light = 0, ray = 0;           ///< index of the light, and of the ray that the launch casts towards it
   std::uint32_t next_ray = 0;                 ///< slot in the next wave of the first ray that the launch emits
-  const LineUniforms<float>* line = nullptr;  ///< for interpolated samples, the lines that they are on
+  const LineUniforms<float>* line = nullptr;  ///< for interpolated samples, the lines that contain them
   ColourRecord<float>* colours = nullptr;     ///< array to which light is added; null: the samples' colours
 };
 
@@ -109,7 +109,7 @@ enum StageEffect : std::uint32_t {
   kAddsColours = 8,
   kCastsRays = 16,          ///< the stage emits shadow or occlusion rays
   kEndsSurfaces = 32,       ///< after the stage all surfaces are known, so that hits are recorded next
-  kRecordsHits = 64,        ///< the stage records hits itself
+  kRecordsHits = 64,        ///< the stage itself records hits, so that no later one does
   kCastsAmbientRays = 128,  ///< the stage's rays carry ambient light, so that no shadow is recorded
   kOwnItemsOnly = 256       ///< the stage runs only over its queue, even if divergent kernels run over all items
 };

@@ -40,11 +40,11 @@ struct RayBuffers {
 
 /// Queues between the shading stages of a wave. A wave is a batch of rays of one tile (stages.h).
 struct StageQueues {
-  SlotQueue misses, surfaces;                            ///< filled by classify_hits
-  SlotQueue textured, diffuse, mirror, glass, emissive;  ///< filled by classify_surfaces
+  SlotQueue misses, surfaces;                            ///< slots that kernel classify_hits has listed
+  SlotQueue textured, diffuse, mirror, glass, emissive;  ///< surfaces by material class, from classify_surfaces
   SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for kernels of their other classes
-  SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< filled by classify_details
-  SlotQueue glowing, occluded;                                      ///< filled by classify_details
+  SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< surfaces by rarer class, from classify_details
+  SlotQueue glowing, occluded;                                      ///< surfaces by rarer class, from classify_details
   SlotQueue layers;                                                 ///< hits to be tested for transparency
   SlotQueue targets;  ///< ray slots that receive the hits of continuing rays
   /// Empties all queues of surfaces.
@@ -92,7 +92,7 @@ struct SubpixelRecords {
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
   std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples, for effects at a lower rate
-  std::vector<RatioRecord<float>> ratios;   ///< visible fraction of that light
+  std::vector<RatioRecord<float>> ratios;   ///< visible fraction of each light, for effects at a lower rate
 };
 
 /// Traversal work of the rays of one pixel.
@@ -101,7 +101,7 @@ struct PixelWork {
   std::uint32_t rays = 0, steps = 0, tests = 0;
 };
 
-/// Data of a tile in progress that only the host needs.
+/// Data of a tile in progress that only the host needs; the modelled GPU does not have them.
 struct TileScratch {
   std::vector<PixelWork> pixel_work;          ///< traversal work of each sample's rays, if it is counted
   std::vector<std::uint32_t> record_writers;  ///< nodes of the work graph that write records of samples

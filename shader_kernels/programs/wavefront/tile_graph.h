@@ -26,7 +26,7 @@ class StreamBuilder {
 
   /// Adds the launch of a kernel. `idle` is the number of inactive loop iterations after its items.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
-  /// Begins the next item of the last launch, for launches that list memory accesses.
+  /// Begins the accesses of the next item of the last launch, if its memory accesses are listed.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that `item` of the last launch emitted a ray.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
@@ -54,7 +54,7 @@ class StreamBuilder {
   bool on_;
   bool muted_ = false;
   Node count_ = 0;
-  std::uint32_t launch_sources_ = 0;  ///< index of the first source of the last launch
+  std::uint32_t launch_sources_ = 0;  ///< index in TileWork::sources of the first source of the last launch
 };
 
 /// Runs kernels on a tile's buffer. Each launch and transfer becomes a node of the tile's graph of work; nodes wait for
@@ -86,7 +86,7 @@ class TileGraph {
 
   void wait_for_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_item_by_item(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
-  /// Makes `node` wait for all earlier nodes that add to samples' colours, or that write samples' records.
+  /// Make `node` wait for all earlier nodes that add to samples' colours, or for all that write samples' records.
   void wait_for_colours(Node node);
   void wait_for_records(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }

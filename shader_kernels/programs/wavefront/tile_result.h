@@ -36,7 +36,7 @@ struct TileResult {
   /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
   std::uint32_t tile = 0;
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the tile in the picture, in pixels
   std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;  ///< for each pixel, the word of the frame buffer, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
@@ -50,7 +50,7 @@ struct TileResult {
   std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests of the rays' walks; 0 if not recorded
   std::uint64_t triangle_tests = 0;       ///< triangle tests among `traversal_steps`
   bool wants_pixel_work = false;          ///< set before rendering to fill `pixel_work`
-  std::vector<PixelWork> pixel_work;      ///< work per pixel; several entries may be for one pixel, also of a neighbour
+  std::vector<PixelWork> pixel_work;      ///< work per pixel; a pixel may have several entries, or be a neighbour's
   traces::TileWork work;                  ///< the graph of work, if it is recorded
   TileBuffer buffer;
   /// Returns a sample's colour, clamped to [0, 1] as in the mean of its pixel.
@@ -66,7 +66,7 @@ struct KernelItems {
 /// Work of one entry of the tile list, in counts that do not depend on a machine.
 struct TileSummary {
   std::uint32_t tile = 0;
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the tile in the picture, in pixels
   bool begins_pass = false;                           ///< the entry waits for all earlier ones
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   std::uint64_t steps = 0, tests = 0;  ///< canonical steps (node visits and triangle tests), and triangle tests alone
@@ -78,7 +78,7 @@ struct TileSummary {
 /// The summaries of all entries of a frame, in list order.
 struct TileSummaries {
   std::vector<TileSummary> tiles;
-  std::vector<KernelItems> kernels;  ///< counts of all tiles, one tile after the other
+  std::vector<KernelItems> kernels;  ///< item counts of all kernels, one tile after the other
   void add(const TileResult& tile);
 };
 

@@ -279,7 +279,7 @@ void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce
   for (const WaveStage& stage : stages) run_stage(stage, bounce, wave_.buffer.queues.*stage.queue);
 }
 
-/// Launches a stage on a queue. Traces the rays that it emits and adds their light.
+/// Launches a shading stage on a queue. Traces the rays that the stage emits and adds their light.
 void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
                           std::uint32_t ray) {
   if (queue.items == 0) return;
