@@ -65,7 +65,7 @@ inline std::uint32_t instance_of(const Hit& hit) {
                                                                  << kHalfBits;
 }
 
-/// Where a tracer appends the canonical walks of rays (walk.h). Each ray adds one entry to `begin`.
+/// Where a tracer appends the canonical walks of rays (walk.h). `begin` gets the index of the first word of each ray.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;

@@ -57,7 +57,7 @@ inline constexpr std::uint32_t kPixelBytes = 4;
 /// and the triangle lists of all screen regions.
 struct RasterDemands {
   std::uint32_t vertices = 0, triangles = 0;
-  std::uint32_t entries = 0;  ///< number of entries of all lists together
+  std::uint32_t entries = 0;  ///< number of entries of all triangle lists together
   friend bool operator==(const RasterDemands&, const RasterDemands&) = default;
 };
 
@@ -113,8 +113,8 @@ struct RasterWork {
 struct WorkNode {
   enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer, kBin, kRaster };
   Kind kind = Kind::kLaunch;
-  RayKind ray_kind = RayKind::kPrimary;  ///< for kRays
-  KernelId kernel = 0;                   ///< for kLaunch
+  RayKind ray_kind = RayKind::kPrimary;  ///< for kRays: the kind of rays
+  KernelId kernel = 0;                   ///< for kLaunch: the kernel that runs
   std::uint32_t items = 0;    ///< number of work items, rays, bytes (kTransfer), triangles (kBin) or samples (kRaster)
   std::uint32_t first = 0;    ///< kRays: the tile's first ray; kLaunch with accesses: first entry of access_begin
   bool has_accesses = false;  ///< for kLaunch: its items read memory through the data cache
@@ -141,8 +141,8 @@ struct TileWork {
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
-  std::vector<Access> accesses;             ///< accesses of all launches with has_accesses, in item order
-  std::vector<std::uint32_t> access_begin;  ///< for each item of these launches, its first access; then the end
+  std::vector<Access> accesses;             ///< memory accesses of all launches with has_accesses, in item order
+  std::vector<std::uint32_t> access_begin;  ///< for each item with accesses, its first access; then the end
   std::vector<std::uint32_t> sources;       ///< source items (WorkNode::sources); non-decreasing within a node
   std::vector<RasterWork> raster;           ///< data of rasteriser nodes, in node order, like the next two vectors
   std::vector<RasterTriangle> raster_triangles;

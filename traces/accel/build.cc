@@ -76,7 +76,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   return image;
 }
 
-/// Nodes precede their children, so one backward pass computes every child's box before its parent's.
+/// Recomputes boxes in one backward pass: nodes precede their children, so the boxes of children are known first.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];

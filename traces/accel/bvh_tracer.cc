@@ -55,7 +55,7 @@ namespace {
 
 constexpr std::size_t kStackSize = 128;  // entries; deeper than any tree that BvhConfig allows
 
-/// Returns the exit phases of four triangle tests, given which lanes passed the distance test and which hit.
+/// Returns the phases in which four triangle tests ended, given which lanes passed the distance test and which hit.
 constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
   constexpr std::array<std::uint16_t, 16> kBand = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
                                                    0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};

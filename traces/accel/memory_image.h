@@ -65,7 +65,7 @@ inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U
 /// The record of a triangle for the intersection unit, 48 bytes: three vertices, and the labels that a hit copies.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id, with kFocusObject above it; 0 in two levels (see InstanceRecord)
+  std::uint32_t object;    ///< object id and kFocusObject; 0 in two levels, where InstanceRecord contains them
   std::uint32_t material;  ///< material index in the low bits; culled faces and the flags of ray.h above
   std::uint32_t source;    ///< number of the triangle in input order: in all instances, or in two levels in its mesh
   std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
@@ -107,10 +107,10 @@ enum MaterialFlag : std::uint32_t {
   kPhysical = 1U << 7,  ///< has a metal_rough texture
   kBumped = 1U << 8,    ///< has a normal texture
   kAbsorbing = 1U << 9,
-  kBlended = 1U << 10,      ///< Material::Alpha::kBlend
+  kBlended = 1U << 10,      ///< blended by alpha (Material::Alpha::kBlend)
   kGlowing = 1U << 11,      ///< has an emission texture
   kOccluded = 1U << 12,     ///< has an occlusion texture
-  kMasked = 1U << 13,       ///< Material::Alpha::kMask
+  kMasked = 1U << 13,       ///< tested for alpha (Material::Alpha::kMask)
   kSingleSided = 1U << 14,  ///< rays pass through the back faces
   // Flags of textures that use the second texture coordinates.
   kBaseSecond = 1U << 16,
@@ -126,7 +126,7 @@ inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kerne
 struct MaterialRecord {
   glm::vec3 base_colour;
   float diffuse_share;  ///< fraction of light that is scattered: (1 - mirror) (1 - transmission)
-  glm::vec3 mirrored;   ///< mirror * mirror_tint
+  glm::vec3 mirrored;   ///< fraction of light that is mirrored: mirror * mirror_tint
   float entering;       ///< fraction of light that Fresnel's law splits later: (1 - mirror) transmission
   glm::vec3 emission;
   float ior;
@@ -215,14 +215,14 @@ struct ObjectTree {
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
-  std::vector<InstanceRecord> instances;  ///< in two levels, in the order of Scene::instances; otherwise empty
+  std::vector<InstanceRecord> instances;  ///< instances of a two-level image, in the order of Scene::instances
   std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
   std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
   std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
   std::vector<AttributeRecord> attributes;
-  std::vector<VertexRecord> vertices;  ///< empty if no material needs them
+  std::vector<VertexRecord> vertices;  ///< vertex data; empty if no material needs them
   std::vector<MaterialRecord> materials;
-  std::vector<MaterialDetailRecord> details;  ///< empty if no material needs them
+  std::vector<MaterialDetailRecord> details;  ///< further material data; empty if no material needs them
   std::vector<Texture> textures;              ///< all textures, with texels row by row; only their addresses are tiled
   /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
   /// Each level is a texture of its own, stored after the previous level. Materials name the first level.

@@ -50,7 +50,7 @@ ToWorld to_world(const InstanceRecord& instance) {
   return {glm::inverse(linear_part(instance)), translation_of(instance), instance.handedness};
 }
 
-/// True if the ray passes near the root boxes of the instance. The margin is about 100 times that of uncertain hits.
+/// True if the ray passes near the root boxes of the instance, within about 100 times the margin of uncertain hits.
 bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
   const glm::dmat3 linear = linear_part(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);

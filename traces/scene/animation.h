@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kNone = 0xffffffffU;
 /// A transform that applies scale, then rotation, then translation.
 struct Transform {
   glm::vec3 translation{0};
-  glm::quat rotation{1, 0, 0, 0};  ///< in the order w, x, y, z; unit length
+  glm::quat rotation{1, 0, 0, 0};  ///< unit quaternion in the order w, x, y, z
   glm::vec3 scale{1};
 };
 

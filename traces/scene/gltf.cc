@@ -24,7 +24,7 @@ namespace {
 
 constexpr float kBrightest = 1e6F;
 
-/// Reads a colour of three numbers from our extras, each clamped to 0..kBrightest.
+/// Reads a colour of three numbers from the scene's `raywatt` extras, each clamped to 0..kBrightest.
 glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const char* key) {
   const std::string what = std::string("extras.raywatt.") + key;
   std::vector<double> list;

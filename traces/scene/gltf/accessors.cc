@@ -119,7 +119,7 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   }
 }
 
-/// Largest number of elements that have no bytes in the file and so are zero.
+/// Largest number of elements of an accessor without bytes in the file; such elements are zero.
 constexpr std::size_t kMostZeros = 1 << 20;
 
 /// Returns an accessor after checking its bounds. Takes its decoded size from the memory budget.

@@ -136,8 +136,8 @@ namespace {
 
 /// The numbers of a glTF material and its extensions. Textures of the extensions are replaced by their means.
 struct Surface {
-  float metallic = 1, roughness = 1;            ///< factors
-  float mean_metallic = 1, mean_roughness = 1;  ///< these factors multiplied by the mean of their texture
+  float metallic = 1, roughness = 1;            ///< glTF factors, without textures
+  float mean_metallic = 1, mean_roughness = 1;  ///< factors times the mean of their texture
   float ior = 1.5F;
   float specular = 1;  ///< KHR_materials_specular: factor of a dielectric's mirrored light
   float transmission = 0;

@@ -152,7 +152,7 @@ std::string local_path(std::string_view uri, std::string_view where) {
 
 namespace {
 
-/// Reads a file of a scene. Throws InputError, which names the key, if the file exceeds limits.memory.
+/// Reads a file of a scene. Throws InputError, which names the configuration key, if the file exceeds limits.memory.
 std::string read_limited(const std::filesystem::path& file, const SceneLimits& limits) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
@@ -287,7 +287,7 @@ class Resources {
 
   /// Reads the URIs in a list's entries and replaces them by keys of Source::external. tinygltf cannot read them
   /// itself: it accepts few data: URIs, decodes '+' in file names as a blank and rejects files longer than byteLength.
-  /// Returns true if there were any.
+  /// Returns true if there were any URIs.
   bool replace_uris(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;

@@ -84,7 +84,7 @@ struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;
   float ior = 1.5F;
-  float coat = 0;     ///< factor
+  float coat = 0;     ///< clear coat factor
   bool thin = false;  ///< a sheet of glass that mirrors like any dielectric and does not refract
 };
 

@@ -336,7 +336,7 @@ struct Group {
   const Instance* first = nullptr;
   std::uint32_t skin = kNone;
   std::size_t targets = 0;
-  std::vector<std::uint32_t> parts;  ///< indices in Scene::meshes
+  std::vector<std::uint32_t> parts;  ///< meshes of the group, as indices in Scene::meshes
 };
 
 std::vector<Group> group_instances(const Scene& scene) {

@@ -29,7 +29,7 @@ struct TwoPlacements {
 };
 TwoPlacements split_matrix(const glm::mat4& matrix);
 
-/// These functions write only values that differ from glTF's defaults.
+/// Set the transform of a glTF node. Values equal to glTF's defaults are not written.
 void set_transform(tinygltf::Node& node, const Placement& placement);
 void set_transform(tinygltf::Node& node, const Transform& transform);
 void set_transform(tinygltf::Node& node, const glm::mat4& matrix);
@@ -80,7 +80,7 @@ void write_skins(const Scene& scene, const NodeMap& map, Document& out);
 /// Writes Scene::cameras, in their order as far as the node tree allows.
 void write_cameras(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes the tracks that take effect as one animation. Tracks with equal key times share them.
+/// Writes the tracks that take effect as one animation. Tracks with equal key times share one array of times.
 void write_animation(const Scene& scene, const NodeMap& map, Document& out);
 
 /// Writes Scene::lights by KHR_lights_punctual, and the light that glTF cannot express into the scene's extras:

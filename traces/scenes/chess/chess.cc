@@ -194,7 +194,7 @@ namespace {
 
 using chess::Piece;
 
-/// A kind of piece and its squares, in the order of its pieces, each such as "g1".
+/// A kind of chess piece, and the squares of its pieces, such as "g1", one after the other.
 struct Placement {
   Piece piece;
   bool white;

@@ -32,7 +32,7 @@ float ground_height(float x, float z) {
 
 glm::vec3 point_on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
 
-/// Generates the forest: the scene so far and its level of detail.
+/// Generates the forest part by part. Contains the scene so far and its level of detail.
 class Forest {
  public:
   Forest(Scene& scene, std::uint32_t triangles)

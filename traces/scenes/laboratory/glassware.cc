@@ -12,7 +12,7 @@ namespace traces::laboratory {
 namespace {
 
 constexpr float kWall = 0.002F;  ///< thickness of the glass
-constexpr float kGap = 0.0015F;  ///< between glass and filling; larger than the start offset of rays
+constexpr float kGap = 0.0015F;  ///< gap between glass and filling; larger than the start offset of rays
 
 /// Returns the outer profile of a vessel, from the middle of the bottom to the rim.
 Outline outer_profile(Vessel vessel) {

@@ -31,8 +31,9 @@ Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upp
 /// turn the mesh inside out.
 Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 
-/// Sets texture coordinates from positions, in the coordinate plane nearest to each normal's; `repeats` per unit of
-/// length. `upright` makes u point up on vertical faces, so that wood grain does too.
+/// Sets texture coordinates by projecting positions onto the coordinate plane to which the normal is most
+/// perpendicular. `repeats` is the number of repetitions per unit of length. `upright` makes u point up on vertical
+/// faces, so that wood grain does too.
 void project_uvs(Mesh& mesh, float repeats, bool upright = false);
 
 /// Makes a curtain with `folds` waves of `depth`, from y = height to y = 0 and x = 0 to x = width, gathered at the top.

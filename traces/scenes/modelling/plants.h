@@ -40,8 +40,8 @@ Tree make_tree(std::string name, const TreeShape& shape, float bark = 1);
 /// face roughly away from `centre`. Every leaf shows another small piece of the texture, so that colours vary.
 struct LeafShape {
   float length = 0.25F, width = 0.14F;
-  float scatter = 0.3F;  ///< largest distance from the twig
-  float along = 0.3F;    ///< 1: parallel to the twig, as needles are
+  float scatter = 0.3F;  ///< largest distance of a leaf from its twig
+  float along = 0.3F;    ///< direction of leaves; 1: parallel to the twig, as needles are
 };
 Mesh make_leaves(std::string name, std::span<const Twig> twigs, std::uint32_t count, const LeafShape& shape,
                  const glm::vec3& centre, std::uint64_t seed);

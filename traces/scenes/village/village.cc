@@ -150,7 +150,7 @@ void add_houses(Scene& s, const Palette& c, float detail) {
   for (const HouseKind& k : house_kinds(c)) buildings.push_back(add_house(s, k.name, k.shape, k.paints, detail));
   struct Plot {
     std::uint32_t kind;
-    float z, aside;  ///< z along the street, and distance to the right (east) of it
+    float z, aside;  ///< z of the house, and its distance to the right (east) of the street
   };
   constexpr Plot kPlots[] = {{0, 71, -10.5F}, {2, 57, -10},      {1, 43, -9.8F},    {4, 29, -10},   {0, 15.5F, -11},
                              {4, 73, 11},     {1, 57, 10},       {0, 43.5F, 10.4F}, {2, 30, 10.2F}, {4, 16, 10.6F},
