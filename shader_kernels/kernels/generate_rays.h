@@ -256,7 +256,7 @@ void emit_visible_ray(const I<V>& item, const I<V>& pixel, const I<V>& sample, c
   io.visible.store(sample, visible_miss_record<V>());
 }
 
-/// One of a pixel's three samples of which reconstruct finds only the geometry, without shading them.
+/// One of those three samples of a pixel that reconstruct does not shade: it finds only their geometry.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;

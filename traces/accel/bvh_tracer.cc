@@ -62,7 +62,7 @@ constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
   return 0x1111U + kBand[in_range] + kBand[hit];
 }
 
-/// An empty type that stands in for the ray in world space if the image has one level.
+/// An empty type that replaces the ray in world space if the image has one level.
 struct Nothing {
   explicit Nothing(const auto&) {}
 };

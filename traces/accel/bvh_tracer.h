@@ -6,8 +6,8 @@ namespace traces {
 
 /// Functional tracer that traverses the memory image; the only one that records canonical walks (walk.h).
 ///
-/// 1. The boxes of the root are tested first. If a ray hits both boxes of a node, the near child is the one that it
-/// enters first (child 0 if equal).
+/// 1. The boxes of the root are tested first. If a ray hits both boxes of a node, the near child is the first that it
+/// enters (child 0 if equal).
 /// 2. The far child is pushed with its entry distance. A popped entry is dropped if it begins beyond the current hit.
 /// 3. The nearest hit wins; of hits at equal distance, the triangle with the lowest `source`.
 /// 4. A shadow ray's walk ends at the first hit of an opaque triangle. A hit of a triangle with flags (alpha-tested or

@@ -12,7 +12,7 @@ namespace traces {
 /// canonical walks.
 ///
 /// 1. Distances and weights are Embree's own.
-/// 2. Of triangles within rounding error of each other along a ray, it returns the one that BvhTracer prefers: the
+/// 2. Of triangles within rounding error of each other along a ray, it returns the triangle that BvhTracer prefers: the
 ///    nearest by the test of ray_tests.h, then the lowest `source`. Embree alone would return the one it meets
 ///    first.
 /// 3. A blocked shadow ray returns triangle 0; in a scene with flagged or single-sided triangles, its nearest hit.

@@ -27,7 +27,7 @@ void expose_lights(Scene& scene);
 inline constexpr float kTargetIrradiance = 0.85F;
 inline constexpr float kAmbient = 0.15F;
 
-/// Removes all lights except the one that alone makes the first camera's view brightest.
+/// Removes all lights except one: the light that alone makes the first camera's view brightest.
 void keep_strongest_light(Scene& scene);
 
 /// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Call it after
