@@ -31,7 +31,7 @@ Json cameras_json(const traces::Scene& scene) {
   return list;
 }
 
-/// Returns the bytes of a BVH of this many nodes in each node format.
+/// Returns, for each node format, the size in bytes of a BVH with this number of inner nodes and trees.
 Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   using traces::BoxNumbers, traces::BoxRecords;
   Json formats;
@@ -46,7 +46,7 @@ Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   return formats;
 }
 
-/// Returns the sizes of the parts of a memory image in bytes; padding counts as textures.
+/// Returns the size in bytes of each part of a scene's memory image; padding counts as textures.
 Json memory_json(const traces::MemoryImage& image) {
   Json parts = {{"nodes", image.node_array_bytes()},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
@@ -88,8 +88,8 @@ std::string animation_text(const Json& animation) {
                      count_text(animation["moving_instances"].get<std::uint64_t>(), "instance"));
 }
 
-/// Formats host time and memory of loading. Memory per triangle is shown only if triangles take more memory than the
-/// program itself.
+/// Formats the host time and memory that loading a scene took. Memory per triangle is shown only for scenes of at least
+/// 10,000 triangles, because otherwise the program itself dominates.
 std::string host_text(const Json& host, std::uint64_t triangles) {
   constexpr std::uint64_t kTrianglesThatTell = 10'000;
   std::string text = fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}", host["load_s"].get<double>(),

@@ -56,14 +56,14 @@ using Colour = std::array<std::uint8_t, 3>;
 using kernels::SampleMark;
 
 constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
-constexpr int kDarkened = 4;  // divisor of the brightness of the picture below the marks
+constexpr int kDarkened = 4;  // factor by which the picture under the marks is darkened
 
 struct Canvas {
   const RenderResult& frame;
   std::uint32_t width, height;  ///< size of the picture in samples
-  std::uint32_t grid;           ///< samples per pixel and axis
+  std::uint32_t grid;           ///< samples per pixel along each axis
 
-  /// Paints each sample with `colour(mark, x, y)`.
+  /// Returns a picture with one pixel per sample, coloured by `colour(mark, x, y)`.
   template <class F>
   DebugPicture paint_samples(std::string name, F&& colour) const {
     DebugPicture picture{std::move(name), width, height, {}};
@@ -77,12 +77,12 @@ struct Canvas {
     return picture;
   }
 
-  /// Returns the pixel of `picture` that contains a sample.
+  /// Returns the RGB values of the pixel of `picture` that contains the sample (x, y).
   const std::uint8_t* pixel_at(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
-  /// Paints samples whose mark has `bit` white over the darkened picture.
+  /// Returns the darkened picture with those samples in white whose mark has `bit`.
   DebugPicture marked_picture(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
@@ -103,7 +103,7 @@ DebugPicture similar_picture(const Canvas& canvas) {
   });
 }
 
-/// Shows interpolated samples; others are black.
+/// Returns a picture of the interpolated samples; all other samples are black.
 DebugPicture interpolated_picture(const Canvas& canvas) {
   const std::vector<std::uint8_t> picture = to_rgb8(canvas.frame.rgb);
   return canvas.paint_samples("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
@@ -126,8 +126,8 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// Shows how much of its weight the reconstruction filter keeps when it excludes samples of other surfaces: white if
-/// all samples count, black if only the pixel's own samples do.
+/// Shows the weight that the reconstruction filter keeps when it excludes samples of other surfaces: white if all
+/// samples count, black if only the pixel's own samples do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
@@ -156,7 +156,7 @@ void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::
   }
 }
 
-/// Colours of counts: 0 to 7, then 8 or more.
+/// Heat-map colours by count: 0 to 7, then 8 or more.
 constexpr std::array<Colour, 9> kHeat{{{0, 0, 0},
                                        {20, 40, 200},
                                        {0, 130, 200},
@@ -216,7 +216,7 @@ std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, cons
   std::vector<DebugPicture> pictures = {empty_picture("overdraw", render), empty_picture("quads", render)};
   traces::Coverage found;
   std::vector<traces::Ray> rays(render.width);
-  // Two rows at a time, so that quads are complete.
+  // The rasteriser receives two rows at a time, so that quads of 2 x 2 pixels are complete.
   for (std::uint32_t y0 = 0; y0 < render.height; y0 += 2) {
     const std::uint32_t rows = std::min(2U, render.height - y0);
     rays.resize(std::size_t{rows} * render.width);

@@ -38,14 +38,15 @@ struct DebugPicture {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Returns the debug pictures of a frame whose samples have marks; none for programs without marks. Samples with a
-/// failed check are white over the darkened picture.
-///   multirate, undersample: `similar` (yellow: interpolated, blue: traced, green: post-correction, grey: references),
-///   `interpolated` (interpolated samples, others black), `check-NAME` (samples that failed the check); with rate
-///   control `rates` (tiles: dark for blocks of 2, bright for 4; greener for more similar samples) supersample:
-///   `active` (0 to 4 active sub-pixels: black, red, green, blue, white), `differs-NAME` (pixels with an active
-///   sub-pixel whose attribute differed), `propagated` (pixels corrected by propagation rounds) reconstruct: `weights`
-///   (remaining filter weight around a pixel, from black to white), `edges-NAME` (pixels whose filter has an edge)
+/// Returns the debug pictures of a frame that was rendered with adaptive sampling; other programs have none.
+/// - multirate, undersample: `similar` (interpolated samples yellow, traced blue, post-corrected green, references
+///   grey), `interpolated` (all other samples black), `check-NAME` (samples that failed this check white over the
+///   darkened picture); with rate control also `rates` (tiles: dark for blocks of 2, bright for 4; greener for more
+///   similar samples)
+/// - supersample: `active` (0 to 4 active sub-pixels: black, red, green, blue, white), `differs-NAME` (pixels with an
+///   active sub-pixel whose attribute differed), `propagated` (pixels corrected by propagation rounds)
+/// - reconstruct: `weights` (remaining filter weight around a pixel, from black to white), `edges-NAME` (pixels whose
+///   filter has an edge)
 std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const RenderResult& frame,
                                          std::uint32_t width, std::uint32_t height);
 

@@ -8,16 +8,17 @@
 
 namespace tools {
 
-/// Adds at_fps, power_at_fps_w and fps_margin to the totals of a report, and their statistics if it has replicates. No
-/// effect if frame.fps is 0. `frames`: the report's list of frames.
+/// Adds the figures at the target rate frame.fps (at_fps, power_at_fps_w, fps_margin) to a report's totals, with
+/// statistics if there are replicates. No effect if frame.fps is 0. `frames`: the report's list of frames.
 void add_frame_rate(sim::Json& totals, const FrameResult& run, const sim::Json& frames, const RunConfig& config);
 
-/// Returns the totals at_fps, power_at_fps_w and fps_margin.
+/// Returns the members at_fps, power_at_fps_w and fps_margin of a report's totals.
 sim::Json frame_rate_json(const FrameRate& rate);
 
-/// Formats at_fps for a table, in one line: "60 frames/s met, 3.1 ms to spare, 0.81 W".
+/// Returns one line on the target frame rate: "60 frames/s met, 3.1 ms to spare, 0.81 W; between frames 95 mW".
 std::string frame_rate_text(const sim::Json& totals);
-/// Formats the operating points in one line; empty if there are none.
+/// Returns one line on the slowest clocks that meet the target rate and on those with the least power. Without voltage
+/// curves, or if the rate is not met, it states the needed clock factor or is empty.
 std::string operating_points_text(const sim::Json& totals);
 
 }  // namespace tools

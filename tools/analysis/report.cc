@@ -49,7 +49,7 @@ struct Named {
   KernelGroup group;
 };
 
-/// Groups of kernels by the prefix of their name. Kernels without an entry trace and shade.
+/// Groups of kernels by the prefix of the kernel's name. Kernels without an entry belong to kTracing.
 constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
                              {"test_subpixels", KernelGroup::kCheck},
                              {"list_contrasts", KernelGroup::kCheck},
@@ -69,8 +69,8 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
-/// Returns the share of a kernel's cycles that belong to a group: 0 or 1, or for a fused kernel the share of its
-/// operations in parts of this group.
+/// Returns the share of a kernel's cycles that belongs to a group. It is 0 or 1, except for fused kernels: these have
+/// the share of operations in their parts of the group.
 double part_of(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
@@ -120,7 +120,8 @@ Json named_counts(const auto& names, const auto& counts) {
   return out;
 }
 
-/// Returns totals.sampling of a report: traced and wanted samples, reasons for tracing, and the cost of the decision.
+/// Returns totals.sampling of a report: counts of traced and wanted samples, reasons for tracing, and the shares of
+/// cycles spent on checks, interpolation and correction.
 Json sampling_json(const FrameResult& run) {
   const kernels::Sampling& s = run.rendered.sampling;
   Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
@@ -177,7 +178,7 @@ std::string path_of(const std::string& pointer) {
   return path;
 }
 
-/// Returns the mean and half-width of a metric of the replicates: "6.764 ± 0.12 %".
+/// Formats a metric of replicates as its mean and the relative half-width of its 95 % interval: "6.764 ± 0.12 %".
 std::string give_or_take(const Json& metrics, const char* path) {
   const Json& f = metrics.at(pointer_to(path));
   const double mean = f["mean"].get<double>();
@@ -187,8 +188,8 @@ std::string give_or_take(const Json& metrics, const char* path) {
 
 double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
 
-/// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations; the first is
-/// `plain`.
+/// Returns `totals.replicates` of a report: statistics of each noisy figure over all simulations of the run. `plain`:
+/// totals of the first, unperturbed simulation.
 Json replicates_json(const ComparedResult& result, const Json& plain) {
   std::vector<Json> plays = {plain};
   for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
@@ -209,7 +210,8 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
   return out;
 }
 
-/// Returns the statistics of a metric such as "energy_mj.nominal" in a report; nullopt without replicates.
+/// Returns the statistics of a metric over a report's replicates; nullopt without replicates. `metric`: e.g.
+/// "energy_mj.nominal".
 std::optional<Draws> draws_in(const ReportFile& report, const std::string& metric) {
   const std::string at = "totals.replicates.figures." + metric;
   if (!report.has(at + ".mean")) return std::nullopt;
@@ -287,7 +289,7 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
 
 namespace {
 
-/// Divides all numbers of the statistics of replicates by an area in mm2.
+/// Divides the statistics of a metric over replicates by the machine's area in mm2.
 sim::Json per_mm2(sim::Json statistics, double mm2) {
   for (auto& [name, number] : statistics.items()) {
     if (!number.is_array()) {
@@ -379,7 +381,7 @@ Json interval_json(const Interval& i, double scale = 1) {
 void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(run);  // the elapsed time is exact
+  time["estimate"] = time_ms(run);  // not converted from cycles, which are rounded
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);

@@ -16,7 +16,7 @@
 
 namespace tools {
 
-/// The result of one frame or of all frames of a run, with the reference's result, if any.
+/// Result of one frame, or of all frames of a run, and the result of the reference program, if any.
 struct ComparedResult {
   const FrameResult& run;
   const FrameResult* reference = nullptr;
@@ -48,10 +48,11 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns for each tile, row by row, the share of checked samples that were similar, and the side of its blocks.
+/// Returns, for each tile, the share of its checked samples that were similar, and the side of its sample blocks. Tiles
+/// are listed row by row.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
-/// Amount of work that energy is divided by.
+/// Work of a run by which its energy is divided.
 struct WorkDone {
   double time_ms = 0, rays = 0, frames = 0;
 };
@@ -60,8 +61,8 @@ struct WorkDone {
 /// perf.frames_per_joule_gpu and perf.frames_per_joule_tni.
 sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work);
 
-/// Returns the warnings of report.json from the run itself: table_warnings(), and sampling that simulated more than
-/// requested.
+/// Returns the warnings of a finished run for report.json: those of table_warnings(), and one if tile sampling
+/// simulated far more tiles than requested.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 
@@ -72,7 +73,8 @@ enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorre
 /// busy.
 std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
 
-/// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
+/// Returns the share of time in which a core's T&I unit has no rays while its shader core (SRP) runs checks or
+/// interpolation.
 std::optional<double> starved_share(const FrameResult& run);
 
 /// Returns the simulated time of a run in milliseconds.
@@ -80,14 +82,14 @@ double time_ms(const FrameResult& run);
 
 /// Returns mean, deviation and 95 % interval of a metric from its values in all simulations.
 sim::Json statistics_json(const std::vector<double>& values);
-/// Format the statistics of replicates as one line, or as a table of the main metrics.
+/// Formats the statistics of replicates as one line; replicates_table() formats the main metrics as a table.
 std::string replicates_text(const sim::Json& replicates);
 std::string replicates_table(const sim::Json& replicates);
 
 /// Difference of a metric between two reports, with its noise.
 struct NoisyDifference {
-  double relative = 0;    ///< (b - a) / a, of values or of means of replicates
-  double half_width = 0;  ///< half-width of its 95 % interval, relative to a
+  double relative = 0;    ///< (b - a) / a of the two values, or of the means over replicates
+  double half_width = 0;  ///< half-width of the 95 % interval of `relative`
   bool measured = false;  ///< true if both have replicates
   bool outside = false;   ///< true if the difference is larger than noise explains
 };

@@ -30,7 +30,8 @@ std::string schema_of(const Json& json) {
 
 constexpr int kDeepest = 32;
 
-/// Adds all values below a node, by full key. A value with a band (low, nominal, high) stays one value.
+/// Adds all values of a configuration below `node` to `out`, by full key. A value with a band (low, nominal, high) is
+/// one entry.
 void flatten_config(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
     out[sim::printable(key)] = sim::printable(sim::json_line(node));
@@ -126,13 +127,14 @@ void collect_numbers(const Json& node, const std::string& path, int depth, Numbe
   }
 }
 
-/// Returns the name without its number if siblings are numbered from 0: "core3" -> "core", but "l2" stays.
+/// Returns the kind of a unit from its name: without the number if siblings are numbered from 0 ("core3" -> "core";
+/// "l2" is unchanged).
 std::string kind_of(const std::string& name, const Json& siblings) {
   const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
 }
 
-/// Sums the numbers of all units of the same kind, in the JSON tree of units.
+/// Sums the numbers of all units of the same kind, from the tree `units` of a report.
 class Sums {
  public:
   void add(const Json& node, const std::string& kind, int depth) {
@@ -159,12 +161,12 @@ bool ends_in(std::string_view path, std::string_view text) {
   return path.ends_with(text) && path.size() > text.size() && path[path.size() - text.size() - 1] == '.';
 }
 
-/// True if `path` is in the group `text`.
+/// True if a report path belongs to the group `text`, as "totals.rays.shadow" belongs to "totals.rays".
 bool is_below(std::string_view path, std::string_view text) {
   return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
 }
 
-/// Returns the last components of a path, as many as `text` has.
+/// Returns the last components of a report path: the same number of components that `text` has.
 std::string end_of(std::string_view path, std::string_view text) {
   std::size_t at = std::string_view::npos;
   for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {
@@ -185,7 +187,7 @@ constexpr std::size_t kMostShown = 8;
                   shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
 }
 
-/// The report paths that a text can denote: one path, a group of paths, several ambiguous paths, or none.
+/// The report paths that a text typed by the user can denote: one path, a group, several ambiguous paths, or none.
 struct Meanings {
   Meanings(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
@@ -214,7 +216,8 @@ struct Meanings {
   std::vector<std::string> group, several;
 };
 
-/// Returns ", did you mean 'x'?" with the nearest end of the paths that start with `start`; bands count by name.
+/// Returns ", did you mean 'x'?" for a mistyped path. Candidates are the ends of paths that start with `start`; a band
+/// also counts under its own name.
 std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
@@ -227,7 +230,7 @@ std::string nearest_end(std::string_view text, std::span<const std::string> path
   return traces::did_you_mean(text, names);
 }
 
-/// Returns the nominal path of a group that is a band; empty for other groups.
+/// Returns the path of the nominal value if the paths of a group are a band (low, nominal, high); otherwise empty.
 std::string nominal_of(const std::vector<std::string>& group) {
   constexpr std::size_t kSides = 3;
   if (group.size() != kSides) return {};

@@ -21,16 +21,16 @@ inline constexpr const char* kReferenceReport = "reference.json";
 struct ReportFile {
   std::filesystem::path file;
   sim::Json json;
-  std::map<std::string, double> numbers;  ///< report_numbers() by path
+  std::map<std::string, double> numbers;  ///< all numbers of the report by path, from report_numbers()
 
   /// Returns the number at a path; 0 if the report lacks it.
   double number(const std::string& path) const;
   bool has(const std::string& path) const { return numbers.contains(path); }
   /// Returns a text of the report by group and key, e.g. "provenance", "model_id"; empty if absent.
   std::string text(const std::string& group, const std::string& key) const;
-  /// True for the report of a reference; the tables of tiles and pixels in its folder belong to the run.
+  /// True for the report of a reference program; the tables of tiles and pixels in its folder belong to the run itself.
   bool is_reference() const { return file.filename() == kReferenceReport; }
-  /// Returns the path of the picture next to the report. `type`: "png" or "exr".
+  /// Returns the path of the rendered picture, which is next to the report. `type`: "png" or "exr".
   std::filesystem::path picture(const char* type) const;
 };
 
@@ -50,8 +50,8 @@ struct ReportNumber {
   double value = 0;
 };
 
-/// Returns the numbers of a report in order, then unit_sums(). Leaves out `host` and `provenance`, which differ between
-/// equal runs, and intervals of counters. Throws InputError for excessive nesting.
+/// Returns all numbers of a report in file order, followed by unit_sums(). Leaves out `host` and `provenance`, which
+/// differ between equal runs, and the confidence intervals of counters. Throws InputError for excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
 /// Returns sums over similar units: "units.core.tni.trv.counters.l1_hits" is the sum over all TRVs,
@@ -60,12 +60,13 @@ std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
 /// True for a path in `totals`.
 bool is_total(std::string_view path);
-/// Returns a path as it is displayed and may be typed: without a leading "totals.".
+/// Returns the short form of a report path, which users may type: without a leading "totals.".
 std::string metric_name(std::string_view path);
 
-/// Returns the path that `text` denotes: itself, "totals." plus itself, or the only path that ends in it at a dot.
-/// Paths in `totals` take precedence over all others, and paths in `frames` come last. A group that is a band denotes
-/// its nominal value: "power_w". Throws InputError with candidates if ambiguous, if a group, or if nothing matches.
+/// Returns the report path that `text` denotes: `text` itself, "totals." plus `text`, or the only path that ends in
+/// `text` after a dot. Paths in `totals` take precedence over all others, and paths in `frames` come last. A group that
+/// is a band, such as "power_w", denotes its nominal value. Throws InputError with candidates if `text` is ambiguous, a
+/// group or unknown.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 
 /// Returns all paths that `text` denotes: one path, or all paths of a group; "units" denotes unit_sums(). Empty if

@@ -51,13 +51,14 @@ struct MemoryLatencies {
   double ideal_wires = 0;   ///< latency of a request and its line with an ideal interconnect, without queues
 };
 
-/// Returns the latency between a core and the L2 without queues, in L2 cycles: one in the port, the distance both ways,
-/// and the line's time on the wires.
+/// Returns the latency between a core and the L2 without queues, in L2 cycles: one cycle in the port, the distance in
+/// both directions, and the cycles to transfer the line.
 double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.0 * distance + line; }
 
 MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   using OfBank = hw::L2Bank::CycleReason;
-  constexpr double kOftenBlocked = 0.05;  // chosen: below this share of time, queues arise in the ports themselves
+  // chosen: if banks are blocked for this share of time, all queues at the ports are charged to the L2
+  constexpr double kOftenBlocked = 0.05;
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
   const std::uint64_t reads = banks.counted(&L2Stats::reads);
@@ -75,8 +76,8 @@ MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::Gp
   return b;
 }
 
-/// Splits a miss latency by level; all times in ns. `crossing`: part of `latency` for lookup and clock crossings;
-/// `line_wait`: part in queues for the wires down.
+/// Splits the mean latency of a cache miss by memory level; all times in ns. `crossing`: its part for lookup and clock
+/// crossings; `line_wait`: its part in queues for the wires from L2 to core.
 MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing, double line_wait) {
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
@@ -124,7 +125,8 @@ double rays_waiting(const Units<Unit>& units) {
          safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
-/// Sets the demands that are shares of memory traffic: of the DMA, and of spilled ray slots.
+/// Sets the demands on memory: shares of the DMA and of spilled ray slots in memory traffic, DRAM utilisation and
+/// queues.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
                  const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
@@ -166,8 +168,8 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   return safe_ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
 }
 
-/// Returns the time for all node visits at the rate reached while every ray slot was in use, or at the overall rate if
-/// all slots were rarely in use.
+/// Returns the time that all node visits would take at the rate reached while every ray slot was in use. If all slots
+/// were rarely in use, it uses the overall rate.
 double tracing_demand(const Trvs& trvs) {
   const double occupied = 1 - trvs.share(OfTrv::kStarved),
                full = safe_ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
@@ -175,8 +177,8 @@ double tracing_demand(const Trvs& trvs) {
   return std::min(occupied, full * safe_ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
-/// Reassigns time without rays from `transfers` to the rasteriser, up to its busy time. Approximation: in this time
-/// launches mostly wait for the rasteriser.
+/// Moves time without rays from a core's `transfers` to its rasteriser, up to the rasteriser's busy time. An
+/// approximation: in this time launches mostly wait for the rasteriser.
 void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLatencies& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
   if (busy == 0) return;
@@ -190,7 +192,8 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLa
 
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
-  constexpr double kIdealRays = 64;  // rays per TRV that wait at once in an ideal unit (hw::IdealConfig)
+  // number of rays that wait for lines at once in an ideal traversal unit (hw::IdealConfig)
+  constexpr double kIdealRays = 64;
   const std::string core = hw::name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
@@ -230,7 +233,8 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait =
       l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // Time in ns for one cache cycle of lookup, plus the synchronisers of both directions if the clocks differ.
+  // Returns the ns of a lookup in a cache with cycle time `ns`, plus the synchronisers in both directions if its clock
+  // is not the L2's.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels =
       split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
@@ -242,7 +246,8 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   return t;
 }
 
-/// A part of a core's time: its name in reports, its words, its share and, for misses, their levels.
+/// A cause in the breakdown of a core's time: its name in reports, its description, its share and, for misses, the
+/// levels.
 struct TimePart {
   std::string_view name;
   const char* words;
@@ -283,7 +288,7 @@ constexpr std::array<std::pair<const char*, double Demands::*>, 18> kDemands = {
                                                                                  {"tracing", &Demands::tracing},
                                                                                  {"records", &Demands::records}}};
 
-/// Adds a core's miss levels, weighted by its miss time.
+/// Adds a core's split of miss latency by level to `all`, weighted by the core's miss time.
 void add_levels(MissLevels& all, const MissLevels& core, double weight) {
   for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram, &MissLevels::wires,
                                     &MissLevels::blocked_request, &MissLevels::blocked_bank}) {
@@ -387,11 +392,11 @@ GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after)
 
 namespace {
 
-// Fitted to 39 random machines other than those in the tables of docs/bottleneck.md.
+// The constants below are fitted to 39 random machines that are not in the tables of docs/bottleneck.md.
 
-/// Mean share of a cache's MSHRs in use while it only waits for misses.
+/// Mean share of a cache's MSHRs that are in use while misses alone limit the cache.
 constexpr double kRegistersInUse = 2.0 / 3;
-/// Largest share of time in which a data bus can transfer data.
+/// Largest share of time in which a DRAM data bus can transfer data.
 constexpr double kBusAtBest = 0.9;
 /// Share of a channel's other busy time, such as row commands, that cannot overlap with data of other requests.
 constexpr double kBusyWeight = 1.0 / 3;
@@ -401,12 +406,12 @@ constexpr double kPortAtBest = 0.7;
 constexpr double kTestsAtBest = 0.85;
 /// Fraction of the ideal gain from more ray slots that is realised.
 constexpr double kSlotsGain = 0.6;
-constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // parameters of never_full()
+constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // fitted parameters of never_full()
 
-/// Times of a core's three stages if each worked alone: shader core, T&I unit, DMA with spills.
+/// Times of a core's three stages if each worked alone: shader core, T&I unit, and DMA with spilled ray slots.
 using Stages = std::array<double, 3>;
 
-/// Returns the time of all stages together, overlapped with exponent `p` (estimate_speedups()).
+/// Returns a core's time if its stages overlap with the exponent `p` of estimate_speedups().
 double combined_time(const Stages& stages, double p) {
   const double longest = std::ranges::max(stages);
   if (longest <= 0) return 0;
@@ -426,8 +431,8 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Returns the fraction of the time with free ray slots in the T&I unit that remains with ideal shader cores. The ends
-/// of tiles always remain; all of it remains if launches wait for ray slots while the unit has free ones.
+/// Returns which fraction of the T&I unit's time with free ray slots would remain with ideal shader cores. The ends of
+/// tiles always remain. The fraction grows with the time in which launches wait for ray slots of the tile buffer.
 double never_full(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
@@ -436,25 +441,25 @@ double never_full(const CoreTime::Demands& d) {
 /// Returns the queue length of a memory after the fraction `gone` of its traffic is removed, relative to the length
 /// before. Queue length is r / (1 - r) at utilisation r.
 double queue_left(double busy, double gone) {
-  constexpr double kMostBusy = 0.95;  // a finite frame has finite queues
+  constexpr double kMostBusy = 0.95;  // limits the queue length, which is finite in a finite frame
   if (busy <= 0) return 1;
   const double r = std::min(busy, kMostBusy), left = r * (1 - gone);
   return left / (1 - left) / (r / (1 - r));
 }
 
-/// Lower bounds of the frame time from the work that remains if other resources are ideal.
+/// Lower bounds of the frame time from the work of one resource if all others are ideal.
 struct Least {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };
 Least least_times(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
-          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: half of the free MSHRs could also be used
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: half of the free MSHRs could be used, too
           .wires = d.port_lines / kPortAtBest,
           .tests = d.tests / kTestsAtBest};
 }
 
-/// Returns the stage times without spilled ray slots, which shortens memory queues and unblocks the L2. `tree`: miss
-/// time of the T&I unit.
+/// Returns the times of a core's stages if no ray slots were spilled: memory queues are shorter and the L2 is blocked
+/// less. `tree`: miss time of the T&I unit.
 Stages without_spills(const CoreTime& t, double tree) {
   const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
   const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
@@ -528,7 +533,7 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   };
   std::vector<Estimate> estimates;
   for (const Rest& rest : rests) {
-    // Time in which cores wait for the last tiles of other cores is proportional to tile times.
+    // The time in which a core waits for the last tiles of other cores scales with the time per tile.
     const double busy = std::min(rest.stages, time) + rest.transfers + t.raster + rest.raster_misses;
     const double total = t.no_tile < 1 ? std::max(busy / (1 - t.no_tile), rest.least_time) : 1;
     estimates.push_back({rest.resource, total > 0 && total < 1 ? 1 / total : 1});

@@ -18,7 +18,7 @@ struct MissLevels {
   double interconnect = 0;  ///< ports, wires, and queues before them
   double l2 = 0;            ///< queues and lookups of the L2
   double dram = 0;          ///< time from an L2 miss to its fill: controller, device and fabric
-  // Parts of the first two:
+  // Parts of `interconnect` and `l2`:
   /// Part of `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
   double wires = 0;
   double blocked_request = 0;  ///< part of `interconnect`: queues in front of an L2 that waits for memory
@@ -36,17 +36,17 @@ struct MissLevels {
 struct CoreTime {
   double kernels = 0, switches = 0, banks = 0;
   double data_misses = 0;
-  double boxes = 0;        ///< TRVs issue nodes to their box pipes
-  double triangles = 0;    ///< rays wait for triangle tests
-  double pipes = 0;        ///< too few rays to fill the pipelines, and stalls inside the unit
-  double tree_misses = 0;  ///< rays wait for node or triangle lines
+  double boxes = 0;        ///< time in which traversal units (TRVs) issue nodes to their box pipes
+  double triangles = 0;    ///< time in which rays wait for triangle tests
+  double pipes = 0;        ///< time with too few rays to fill the pipelines, or with stalls inside the T&I unit
+  double tree_misses = 0;  ///< time in which rays wait for node or triangle lines
   double raster = 0, raster_misses = 0;
   double transfers = 0, no_tile = 0;
   /// Times that parts of the core would need if they worked alone, as shares of the elapsed time. They can overlap.
   struct Demands {
     double no_slots = 0;    ///< time in which launches wait for ray slots of the tile buffer
     double fed = 0;         ///< time in which the T&I unit has rays
-    double occupied = 0;    ///< time in which a TRV holds rays, as the mean over TRVs
+    double occupied = 0;    ///< mean time in which a traversal unit (TRV) holds rays
     double tree_lines = 0;  ///< lower bound of the time for the T&I unit's misses, with all MSHRs in use
     /// Lower bound of the time that the T&I unit's rays wait for lines, with 64 rays waiting at once.
     double tree_waits = 0;
@@ -54,15 +54,15 @@ struct CoreTime {
     double tests = 0;
     double data_lines = 0;   ///< lower bound of the time for data cache misses
     double l2_lines = 0;     ///< lower bound of the time for L2 misses
-    double port_lines = 0;   ///< time with lines on the wires of the core's cache port
+    double port_lines = 0;   ///< time in which the wires of the core's cache port carry lines
     double dram_bus = 0;     ///< time with data on the buses of the DRAM channels
     double dram_busy = 0;    ///< time in which DRAM channels are neither idle nor only waiting for their last data
-    double dram_queue = 0;   ///< share of the L2's miss latency that an idle memory would not need
-    double transfers = 0;    ///< share of memory traffic by the DMA
-    double spills = 0;       ///< share of memory traffic by spilled ray slots
+    double dram_queue = 0;   ///< share of the L2's miss latency that is queueing: an idle memory would not need it
+    double transfers = 0;    ///< share of the DMA in memory traffic
+    double spills = 0;       ///< share of spilled ray slots in memory traffic
     double spilling = 0;     ///< time in which the DMA moves spilled ray slots
-    double spill_lines = 0;  ///< lower bound of the time for spills: their lines are on the wires of the DMA's port
-    double tracing = 0;      ///< time of the T&I unit at its rate with all ray slots in use
+    double spill_lines = 0;  ///< lower bound of the time for spills, set by their lines on the wires of the DMA's port
+    double tracing = 0;      ///< time that the T&I unit would need at the rate that it has with all ray slots in use
     double records = 0;      ///< share of L2 requests that carry rays and hits through memory
   };
   Demands demands{};
@@ -73,7 +73,7 @@ struct CoreTime {
   double tracing_share() const { return boxes + triangles + pipes + tree_misses; }
 };
 
-/// Times of all cores in order, and their mean.
+/// Time of each core by cause, in the order of the cores, and the mean over all cores.
 struct TopDown {
   std::vector<CoreTime> cores;
   CoreTime gpu;
@@ -84,7 +84,7 @@ double data_bus_share(std::span<const sim::UnitReport> units);
 TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
 sim::Json time_json(const CoreTime& time);
-/// Returns {gpu, cores[]} as JSON; each entry is a result of time_json().
+/// Returns the times by cause as JSON {gpu, cores[]}; each entry has the form of time_json().
 sim::Json top_down_json(const TopDown& view);
 /// Returns the description of a path in time_json(): "tree misses: DRAM" for "tree_misses.dram".
 std::string part_words(const std::string& path);
@@ -99,16 +99,16 @@ struct TimeInCycles {
 };
 struct GrownPart {
   std::string name;   ///< name of the part, as in top_down_text()
-  double cycles = 0;  ///< growth in cycles, mean over the cores
+  double cycles = 0;  ///< growth of this part in cycles, mean over the cores
 };
 /// Returns the part of a core's time whose cycles grew most from `before` to `after`; empty if none grew.
 GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after);
 
 /// Utilisation of the main parts of the machine, as shares of time from 0 to 1.
 struct Utilisation {
-  double tni = 0;   ///< cycles in which a TRV issues a node to its box pipe, over all TRVs
-  double srp = 0;   ///< cycles in which a kernel runs or is switched in
-  double dram = 0;  ///< cycles with data on a channel's bus
+  double tni = 0;   ///< share of cycles in which a traversal unit (TRV) issues a node to its box pipe
+  double srp = 0;   ///< share of cycles in which a shader core runs a kernel or switches to one
+  double dram = 0;  ///< share of cycles with data on the bus of a DRAM channel
 };
 Utilisation utilisation_of(std::span<const sim::UnitReport> units);
 

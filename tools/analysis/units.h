@@ -16,8 +16,8 @@
 
 namespace tools {
 
-/// Returns the name under which reports list a counter. `counter`: a pointer to a member of `Stats`, or a function from
-/// Stats to a member.
+/// Returns the name of a counter in reports. `counter`: a pointer to a member of `Stats`, or a function from Stats to a
+/// member.
 template <class Stats>
 std::string_view counter_name(auto&& counter) {
   const Stats stats{};

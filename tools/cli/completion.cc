@@ -31,22 +31,22 @@ namespace {
 
 /// An option or a positional argument of a verb.
 struct DeclaredOption {
-  std::vector<std::string> names;  ///< "-o", "--output"; "file" for a positional argument
+  std::vector<std::string> names;  ///< names as typed: "-o", "--output"; "file" for a positional argument
   std::string help;
-  std::string takes;                 ///< type of its value as in --help; empty for a flag
-  std::vector<std::string> choices;  ///< the only allowed values, if restricted
+  std::string takes;                 ///< type of the option's value, as in --help; empty for a flag
+  std::vector<std::string> choices;  ///< allowed values of the option; empty if it is not restricted to some words
   bool is_positional;
 };
 
 /// A verb of the program, or the program itself.
 struct DeclaredVerb {
-  std::vector<std::string> words;  ///< "raywatt", "trace", "replay"
+  std::vector<std::string> words;  ///< words of the command: "raywatt", "trace", "replay"
   std::string help, footer;
   std::vector<DeclaredOption> options;
   std::vector<std::string> verbs;  ///< names of the verb's subcommands
 };
 
-/// Returns the words between the braces of "TEXT:{local,slurm}".
+/// Returns the allowed values in an option's type text: "local" and "slurm" for "TEXT:{local,slurm}".
 std::vector<std::string> choices_in(const std::string& type) {
   const std::size_t begin = type.find('{'), end = type.find('}');
   if (begin == std::string::npos || end == std::string::npos) return {};
@@ -72,7 +72,8 @@ void add_verb(const CLI::App& app, std::vector<std::string> words, std::vector<D
   DeclaredVerb verb{words, app.get_description(), app.get_footer(), {}, {}};
   for (const CLI::Option* option : app.get_options()) verb.options.push_back(declare_option(*option));
   const auto below =
-      app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });  // only visible ones
+      // hidden subcommands have no group
+      app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });
   std::ranges::transform(below, std::back_inserter(verb.verbs), [](const CLI::App* sub) { return sub->get_name(); });
   verbs.push_back(std::move(verb));
   for (const CLI::App* sub : below) add_verb(*sub, words, verbs);
@@ -89,7 +90,8 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
 struct SetKeys {
   /// All keys in order of declaration; `of_energy`: keys that affect only energy.
   std::vector<std::string> every, of_energy;
-  std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< values of a key: words, or names of files
+  /// allowed values of a key: words, or names of files
+  std::vector<std::pair<std::string, std::vector<std::string>>> values;
 };
 
 SetKeys set_keys() {
@@ -119,7 +121,7 @@ std::vector<std::string> option_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Returns the names that an option accepts in addition to files.
+/// Returns the names, such as scenes or configurations, that an option accepts in addition to files.
 std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOption& option) {
   const std::string& name = option.names.front();
   std::vector<std::string> known;
@@ -156,15 +158,16 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Returns the name of the list of keys (a member of SetKeys) that the verb's --set accepts.
+/// Returns which list of keys a verb's --set accepts, as the name of a member of SetKeys.
 const char* list_of_keys(const DeclaredVerb& verb) {
   return join_words(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
 
 bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
 
-/// Calls f(patterns, variable, values) for each option with a value. `variable`: "choices" if only `values` are
-/// allowed, "names" if files are also allowed, "keys" for a list of keys, "next" for files only.
+/// Calls f(patterns, variable, values) for each option of a verb that takes a value. `variable`: shell variable for the
+/// completions: "choices" if only `values` are allowed, "names" if files are also allowed, "keys" for a list of keys,
+/// "next" for files only.
 template <class F>
 void for_each_option_value(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
@@ -203,8 +206,8 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// Returns the shell lines that set the words which may follow: `choices` if only they are allowed, `names` if files
-/// are also allowed, and `next` for verbs and options.
+/// Returns shell lines that list the words that can follow on the command line: in `choices` if only these are allowed,
+/// in `names` if files are also allowed, in `next` for verbs and options.
 std::string next_word_lines(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
     std::string lines = fmt::format("      next='{} {} {}'\n", join_words(verb.verbs),
@@ -219,10 +222,11 @@ std::string next_word_lines(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" + verb_cases(verbs, offered) + "  esac\n";
 }
 
-/// Returns the keys in one text, each followed by an equals sign.
+/// Joins configuration keys into one text for the shell, each followed by an equals sign.
 std::string keys_with_equals(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
-/// Returns the shell lines that set `keys` to the keys of --set and, after "key=", `choices` to the values of that key.
+/// Returns shell lines that set `keys` to the keys of --set and, after "key=", `choices` to the allowed values of that
+/// key.
 std::string set_option_lines() {
   const SetKeys keys = set_keys();
   std::string values;
@@ -368,7 +372,7 @@ constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
     {128 + SIGTERM, "the same by SIGTERM"},
 }};
 
-/// Escapes text for roff.
+/// Escapes special characters of roff, the format of man pages.
 std::string escape_roff(std::string_view text) {
   std::string out;
   bool begins = true;

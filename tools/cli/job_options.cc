@@ -40,7 +40,7 @@ void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
                ""});
 }
 
-/// Validator that rejects empty values, which usually come from an unset variable.
+/// Validator that rejects empty values, which usually come from an unset shell variable.
 static CLI::Validator not_empty(const std::string& allowed) {
   return {[allowed](const std::string& value) { return value.empty() ? allowed : std::string(); }, ""};
 }

@@ -14,32 +14,26 @@ namespace tools {
 
 /// Adds the options shared by all verbs that render. `positional`: the configuration is a positional argument.
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
-/// Adds --rays, which excludes the options of a rendered run; call it after those options are added.
+/// Adds --rays, which excludes the options of a rendered run; these must be added before.
 void add_rays_option(CLI::App& verb, JobOptions& options);
-/// Adds --timeline.
 void add_timeline_option(CLI::App& verb, JobOptions& options);
-/// Adds --reference.
 void add_reference_option(CLI::App& verb, JobOptions& options);
-/// Adds --fps, which sets frame.fps.
+/// Adds --fps, which sets the configuration key frame.fps.
 void add_fps_option(CLI::App& verb, std::vector<std::string>& sets);
-/// Adds --ideal.
 void add_ideal_option(CLI::App& verb, JobOptions& options);
-/// Adds the options of the output folder and of messages.
+/// Adds the options that control the output folder, messages and the progress display.
 void add_output_options(CLI::App& verb, JobOptions& options);
-/// Adds --intervals.
 void add_intervals_option(CLI::App& verb, JobOptions& options);
-/// Adds --frames.
 void add_frames_option(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
-/// Prints warnings on values outside the ranges of a configuration's tables to stderr.
+/// Prints a warning to stderr for each value outside the ranges of the tables that a configuration uses.
 void print_table_warnings(const JobOptions& options);
 
 /// Adds the options that choose how the points of a sweep or a search are launched.
 void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 
-/// Adds --progress.
 void add_progress_option(CLI::App& verb, std::string& progress);
 
 /// Makes all options of all existing verbs reject empty values, which usually come from unset variables. --set has a

@@ -37,7 +37,8 @@
 namespace tools {
 namespace {
 
-/// Returns one line on a configuration file: its `question`, or the first sentence of the comment at its start.
+/// Returns one line that describes a configuration file: its `question`, or the first sentence of the comment at its
+/// start.
 std::string description_line(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";
@@ -58,7 +59,7 @@ std::string description_line(const std::filesystem::path& file) {
   return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
 }
 
-/// True if the experiment's file is for `raywatt optimise`.
+/// True if an experiment file is for `raywatt optimise`; other experiments are sweeps.
 bool is_search(const std::string& name) {
   std::ifstream in(find_config_file(name));
   std::string line;
@@ -92,7 +93,7 @@ std::string config_list() {
   return text;
 }
 
-/// Throws InputError for `raywatt config show KEY`.
+/// Throws InputError if the argument of `raywatt config show` is a configuration key instead of a configuration.
 void refuse_key(const std::string& name) {
   if (std::ranges::count(config_names(), name) != 0) return;
   for (const sim::FieldInfo& field : sim::list_fields(RunConfig())) {
@@ -207,7 +208,7 @@ void print_scenes() {
              fmt::join(workload_names(), ", "));
 }
 
-/// A scene that the command line names by name, workload or file.
+/// A scene given on the command line: a built-in scene, a workload or a file.
 struct Wanted {
   JobOptions job;
   traces::Scene open_scene() const { return open_scene(load_run_config(job)); }

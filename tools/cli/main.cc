@@ -103,7 +103,7 @@ std::string missing_argument(const CLI::App& verb) {
   return {};
 }
 
-/// Returns a bound as in "0.010000", without its last zeros.
+/// Formats a bound such as "0.010000" without trailing zeros.
 std::string shown_bound(const std::string& bound) { return fmt::format("{}", std::strtod(bound.c_str(), nullptr)); }
 
 bool is_number(const std::string& text) {
@@ -112,8 +112,8 @@ bool is_number(const std::string& text) {
   return !text.empty() && *end == '\0';
 }
 
-/// Rewords an error of CLI11 as "where: what; allowed: what", e.g. "--ideal: 'l3' is unknown; allowed: tni, l1". Other
-/// errors stay.
+/// Rewords an error of CLI11 as "where: what; allowed: what", e.g. "--ideal: 'l3' is unknown; allowed: tni, l1".
+/// Returns other errors unchanged.
 std::string reworded(const std::string& error) {
   constexpr std::string_view kNoConversion = "Could not convert: ", kValue = "Value ", kNotIn = " not in {",
                              kNotInRange = " not in range ", kTo = " to ", kLeast = "At least ", kMost = "At Most ",

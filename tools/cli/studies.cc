@@ -174,7 +174,8 @@ void add_option(CLI::App& app, const BenchmarkOption& option, BenchmarkJob& job)
   if (option.default_shown) made->capture_default_str();
 }
 
-/// Prints the findings. If values differ from their closed forms, prints a message and sets `exit` to kCheckFailed.
+/// Prints the findings of a microbenchmark. If values differ from their closed forms, also prints a message and sets
+/// `exit` to kCheckFailed.
 void print_findings(const Findings& findings, const char* name, bool json, int& exit) {
   const bool ready = !findings.printed.empty();
   fmt::print("{}", ready ? findings.printed : json ? findings_json(name, findings) : findings_table(findings));

@@ -99,7 +99,7 @@ void add_sweep_cancel(CLI::App& group) {
   verb->callback([=] { cancel_sweep(*path); });
 }
 
-/// Returns the width of the terminal, or 80.
+/// Returns the width of the terminal in columns; 80 if it is unknown.
 std::size_t terminal_width() {
   winsize size{};
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
@@ -127,7 +127,7 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
       ->type_name("EXPR");
 }
 
-/// Adds --energy band, which sets `band`: also evaluate random draws of the energy tables.
+/// Adds the option --energy. Its value "band" sets `band`: the verb also evaluates random draws of the energy tables.
 void add_energy_option(CLI::App& verb, bool& band) {
   verb.add_option_function<std::string>(
           "--energy", [&band](const std::string& word) { band = word == "band"; },

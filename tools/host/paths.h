@@ -28,8 +28,8 @@ std::vector<std::string> workload_names();
 /// experiments/NAME.yaml in config_folders(). Throws InputError with the nearest name if there is none.
 std::filesystem::path find_experiment(const std::filesystem::path& argument);
 
-/// Returns the files NAME.yaml in a subfolder of config_folders(), as `folder`/NAME, sorted. Folders: "dram", "energy",
-/// "experiments".
+/// Returns the names `folder`/NAME of the files NAME.yaml in a subfolder of config_folders(), sorted. `folder`: e.g.
+/// "dram", "energy" or "experiments".
 std::vector<std::string> config_names_in(const std::string& folder);
 
 /// Returns the file of a name from config_names() or config_names_in().

@@ -20,7 +20,7 @@ namespace {
 std::atomic<int> held = 0, waiting = 0;
 std::atomic<bool> has_bar = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
-std::string kept_so_far;  ///< text after "interrupted"; the signal handler must not use it
+std::string kept_so_far;  ///< text after "interrupted" in the message; the signal handler must not use it
 
 void write_words(std::string_view words) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());
@@ -34,9 +34,9 @@ void write_words(std::string_view words) {
 
 extern "C" void on_interrupt(int signal) {
   const bool second = waiting.exchange(signal) != 0;
-  if (held == 0 || second)  // read last, as ~HoldInterrupts() reads `waiting` last, so at least one of the two sees the
-                            // other's write
-    end_process(signal, "raywatt: interrupted\n");
+  // Writes `waiting` before reading `held`; ~HoldInterrupts() writes `held` before reading `waiting`. So at least one
+  // of the two sees the other's write.
+  if (held == 0 || second) end_process(signal, "raywatt: interrupted\n");
 }
 
 }  // namespace

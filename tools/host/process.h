@@ -23,8 +23,9 @@ enum ExitCode : int {
 /// that the parent process ignores stay ignored.
 void install_interrupt_handlers();
 
-/// Delays interrupts while an object exists, so that no results are lost and no files are left half written. A second
-/// interrupt is not delayed. The destructor of the last object ends the process if an interrupt is pending.
+/// Delays interrupts while an object of this class exists, so that no results are lost and no files are left half
+/// written. A second interrupt is not delayed. The destructor of the last object ends the process if an interrupt is
+/// pending.
 class HoldInterrupts {
  public:
   HoldInterrupts();
@@ -57,12 +58,12 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Returns the reading end of the pipe, for poll().
+  /// Returns the reading end of the pipe from the child, for poll().
   int pipe_end() const { return pipe_end_; }
   /// Waits for data from the child and reads them. Returns false at the end of the text.
   bool receive_data();
   const std::string& received_text() const { return text_; }
-  /// Waits until the child has ended and returns its status as of waitpid().
+  /// Waits until the child has ended and returns its exit status in the format of waitpid().
   int wait_for_exit();
 
  private:

@@ -51,7 +51,7 @@ std::string end_text(double seconds_left) {
   return fmt::format("ends at {:%H:%M:%S}", fmt::localtime(end));
 }
 
-/// Returns "48 s", "3 min 20 s" or "2 h 5 min".
+/// Formats a duration: "48 s", "3 min 20 s" or "2 h 5 min".
 std::string duration_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::max(seconds, 0.0) + 0.5);
   if (whole < 60) return fmt::format("{} s", whole);
@@ -62,7 +62,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::done_share() const {
-  // share of the current part; a finished part is already counted in `part`
+  // finished share of the current part; 0 once it is complete, because `part` then counts it
   const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;
   return (part + of_part) / parts;
 }
@@ -197,7 +197,7 @@ void Progress::run_display() {
     try {
       draw_progress();
     } catch (const std::bad_alloc&) {
-      // The work continues without this line.
+      // Ignored: the work continues without this line.
     }
   }
 }
@@ -214,7 +214,7 @@ void Progress::draw_progress() {
   write_stderr(fmt::format("\r{}\x1b[K", progress_line(current_state(), columns_of_terminal())));
 }
 
-/// Redraws the view: picture, statistics, progress.
+/// Redraws the live view of a job: picture, statistics and progress.
 void Progress::show_view() {
   const std::size_t columns = columns_of_terminal(), rows = rows_of_terminal();
   const ProgressState state = current_state();

@@ -23,7 +23,7 @@ struct SmallPicture {
 class View {
  public:
   virtual ~View() = default;
-  /// Returns the figures, one line of text each.
+  /// Returns live figures of the running job, one line of text each.
   virtual std::vector<std::string> lines() = 0;
   /// Returns the picture rendered so far, scaled down to at most `width` x `height` pixels.
   virtual SmallPicture picture(std::size_t width, std::size_t height) = 0;
@@ -42,7 +42,7 @@ struct ProgressState {
   std::uint32_t frame = 0;             ///< number of the current frame
   std::uint32_t part = 0, parts = 1;   ///< finished and total parts; a part is one frame of one frame program
   std::uint32_t tile = 0, tiles = 0;   ///< finished and total tiles of the current part
-  std::uint64_t rays = 0, cycles = 0;  ///< sums over all parts so far; cycles of the T&I clock
+  std::uint64_t rays = 0, cycles = 0;  ///< rays and T&I cycles of all parts so far
   std::uint32_t tile_before = 0;       ///< tiles already finished when the part began, in a job of one part
   bool ended = false;
   double seconds = 0;         ///< seconds since the start of the job
@@ -62,29 +62,31 @@ std::string progress_json(const ProgressState& state);
 /// Reports progress on stderr from a thread of its own. Working threads only update the state once per tile.
 class Progress {
  public:
-  /// `form`:
+  /// `form`: how progress is displayed:
   /// - "auto": a line that is redrawn, if stderr is a terminal and the job takes more than two seconds; erased at the
-  /// end. `quiet` turns it off.
+  ///   end. `quiet` turns it off.
   /// - "json": lines of JSON, at most five per second, and a final one.
   /// - "none": nothing.
-  /// - "watch": on a terminal `view`, twice per second, left there at the end; otherwise a line every two seconds.
+  /// - "watch": on a terminal `view`, redrawn twice per second and left there at the end; otherwise a line every two
+  ///   seconds.
   /// `view` must outlive this object.
   Progress(const std::string& form, bool quiet, View* view = nullptr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Sets the current activity, which traces no rays, and ends the current part.
+  /// Sets the job's current activity, for one that traces no rays, and ends the current part.
   void set_phase(const std::string& what);
   /// Sets the number of parts of the job. A later call starts a new count.
   void expect_parts(std::uint32_t parts, const std::string& label = {});
-  /// Begins a part. `before`: tiles that earlier work finished, for a job of one part.
+  /// Begins a part of the job: one frame of one frame program. `before`: tiles that earlier work finished, for a job of
+  /// one part.
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
   /// Sets the finished tiles, rays and cycles of the current part; the last tile ends the part.
   void set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Prints a line to stderr above the bar.
   void print_line(const std::string& line);
-  /// True unless progress is quiet, "json" or "none": only then print_hint() prints its line.
+  /// True if print_hint() prints its line: unless progress is quiet, "json" or "none".
   bool shows_hints() const { return hints_; }
   void print_hint(const std::string& line) {
     if (hints_) print_line(line);

@@ -50,10 +50,10 @@ std::string read_first_bytes(const fs::path& folder, std::string_view name) {
   return std::string_view(start).substr(0, 128).find("\"schema\": \"raywatt-") != std::string_view::npos ? start : "";
 }
 
-/// Returns the verb that wrote this report.json.
+/// Returns the verb in the command line of a report.json.
 std::string_view verb_of(const std::string& report) {
   std::size_t at = report.find("\"argv\": [");
-  if (at != std::string::npos) at = report.find('"', report.find('[', at));  // the first word
+  if (at != std::string::npos) at = report.find('"', report.find('[', at));  // the command line's first word
   if (at == std::string::npos) return "run";
   for (++at; at < report.size() && report[at] != '"'; ++at) at += report[at] == '\\' ? 1 : 0;
   at = report.find_first_not_of("\", \n", std::min(at, report.size()));
@@ -155,7 +155,8 @@ std::error_code exchange_folders(const fs::path& a, const fs::path& b) {
 void copy_permissions(const fs::path& folder, const fs::path& former) {
   struct stat about {};
   if (::stat(former.c_str(), &about) != 0) return;
-  std::ignore = ::chown(folder.c_str(), static_cast<uid_t>(-1), about.st_gid);  // first: it clears setgid
+  // before permissions are set, because chown() clears setgid
+  std::ignore = ::chown(folder.c_str(), static_cast<uid_t>(-1), about.st_gid);
   ::chmod(folder.c_str(), about.st_mode & 07777U);
 }
 

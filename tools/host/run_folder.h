@@ -10,7 +10,7 @@ namespace tools {
 struct ResultsOf {
   std::string_view mark = "report.json";  ///< file that every run of the verb writes
   std::string_view name = {};             ///< name of the verb, if other verbs also write a file called `mark`
-  bool pictures = true;                   ///< results may include pictures
+  bool pictures = true;                   ///< true if the verb's results may include pictures
 };
 /// True for the name of a file that a verb writes into its folder.
 bool is_result_name(std::string_view name);

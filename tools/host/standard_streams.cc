@@ -13,7 +13,7 @@
 namespace tools {
 
 void open_closed_streams() {
-  // open() returns the lowest free descriptor.
+  // open() returns the lowest free descriptor, which is the closed stream's own number in this order.
   for (const auto& [stream, mode] :
        {std::pair{STDIN_FILENO, O_WRONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}}) {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) static_cast<void>(::open("/dev/null", mode));
