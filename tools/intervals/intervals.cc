@@ -33,8 +33,10 @@ namespace {
 
 constexpr std::string_view kMagic = "raywatt-intervals/1\n", kKind = "raywatt-intervals/";
 constexpr std::uint64_t kMostUnits = 1U << 16, kMostNames = 1U << 10, kLongestName = 256;
-constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< limits of a file, over all frames
-constexpr int kLevel = -20;  ///< zstd: a third of the instructions of level 1, files half as large again
+/// limits of an interval file, over all its frames
+constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;
+/// zstd compression level; compared with level 1: a third of the instructions, files 1.5 times as large
+constexpr int kLevel = -20;
 constexpr std::uint64_t kMostNamesBytes = 1U << 26, kLongestVarint = 10;
 
 /// Writes a number in variable-length encoding and returns the end of it; the caller has reserved the space.
@@ -52,7 +54,7 @@ char* write_column(char* at, const sim::Intervals& intervals, std::size_t column
   at = write_number(at, total);
   if (total == 0) return at;
   std::uint64_t before = 0;
-#pragma GCC unroll 8  // a quarter fewer instructions
+#pragma GCC unroll 8  // saves a quarter of the instructions
   for (std::size_t row = 0; row < rows; ++row, value += width) {
     const std::uint64_t came = *value - before;
     before = *value;
@@ -290,7 +292,7 @@ constexpr double kPercent = 100;
 constexpr double kGigabytesPerByteOverFemtosecond = 1e6;
 constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 
-/// Collects series of values, in the order in which their names first appear.
+/// Collects series of values; series are in the order in which their names first appear.
 class Growing {
  public:
   explicit Growing(std::vector<IntervalSeries>& series) : series_(series) {}
@@ -305,7 +307,7 @@ class Growing {
   std::size_t at_ = 0;
 };
 
-/// Builds one frame's table, interval by interval.
+/// Computes the figures of one frame over time, interval by interval.
 class Table {
  public:
   Table(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side)

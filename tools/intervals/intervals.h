@@ -25,7 +25,7 @@ struct IntervalUnit {
     std::string name;
     sim::CounterKind kind = sim::CounterKind::kSum;
   };
-  std::string path;  ///< "core0.tni.trv2"
+  std::string path;  ///< path of the unit: "core0.tni.trv2"
   std::vector<std::string> reasons;
   std::vector<Counter> counters;
   std::size_t value_count() const { return reasons.size() + counters.size(); }
@@ -37,7 +37,7 @@ struct IntervalFrame {
   std::uint32_t frame = 0;              ///< number of the frame
   sim::Time length = 0, end = 0;        ///< length of all intervals except the last; end of the frame
   std::size_t rows = 0, width = 0;      ///< number of intervals; number of values of all units
-  std::vector<std::uint64_t> values{};  ///< row by row
+  std::vector<std::uint64_t> values{};  ///< cumulative values of all units, row by row
 
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
   sim::Time begin_of(std::size_t i) const { return i * length; }
@@ -52,7 +52,7 @@ struct IntervalFile {
   std::vector<IntervalFrame> frames;
 };
 
-/// Returns empty intervals, to be filled, for one of the `frames` frames of a run. The frames share the run's maximum
+/// Returns storage for the intervals of one frame, in a run of `frames` frames. The frames share the run's maximum
 /// number of intervals.
 sim::Intervals intervals_of_frame(std::uint32_t frames);
 
@@ -73,10 +73,10 @@ class IntervalPacker {
 /// may be hostile.
 IntervalFile read_intervals(std::string_view bytes);
 
-/// Intervals of a finished run, stored next to its report, with its units:
+/// Intervals of a finished run, which are stored next to its report, and the units that they belong to:
 ///
-///   intervals.bin.zst: values by edge ──┐
-///   report.json: config ──► machine at rest: blocks, reasons, what each counter costs ──► series.h: W, GB/s, %
+///   intervals.bin.zst: values at the end of each interval ──┐
+///   report.json: config ──► units: blocks, reasons, energy ──► derive_table(): W, GB/s, %
 ///
 /// The constructor checks that the last rows of all frames sum to the report's counters.
 class RunIntervals {
@@ -90,16 +90,16 @@ class RunIntervals {
   explicit RunIntervals(const ReportFile& report);
 
   const RunConfig& config() const { return config_; }
-  /// Returns every unit at rest: path, block, reasons and counters with their events, all values 0.
+  /// Returns all units with all values 0: path, block, cycle reasons, and counters with their energy events.
   std::span<const sim::UnitReport> units() const { return units_; }
   /// Returns the frames in the order of the run.
   std::span<const IntervalFrame> frames() const { return frames_; }
 
-  /// Sets the values of `units`, a copy of units(), to those at the end of an interval. Counters of peaks are the
-  /// maximum until then.
+  /// Sets the values of `units`, a copy of units(), to those at the end of an interval. A counter that records a peak
+  /// is set to its maximum until then.
   static void set_cumulative_values(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
-  /// Sets the values of `units` to their increase in an interval. Counters of peaks are the maximum since the beginning
-  /// of the frame.
+  /// Sets the values of `units` to their increase in an interval. A counter that records a peak is set to its maximum
+  /// since the start of the frame.
   static void set_interval_values(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
 
  private:
@@ -108,7 +108,7 @@ class RunIntervals {
   std::vector<IntervalFrame> frames_;
 };
 
-/// A figure over the intervals of a frame.
+/// A figure of a frame over time, such as a power or a hit rate.
 struct IntervalSeries {
   std::string group;  ///< "power", "bandwidth", "hit_rate", "utilisation", "stack.tni", ...: one chart each
   std::string name;   ///< "tni", "dram_read", "l1_miss"
@@ -135,7 +135,7 @@ struct IntervalTable {
   const IntervalSeries* find(std::string_view group, std::string_view name) const;
 };
 
-/// Computes the figures of a frame over time. `side`: use low, nominal or high energy figures. Intervals are first
+/// Computes the figures of a frame over time. `side`: selects the low, nominal or high energies. Intervals are first
 /// merged to at most `max_intervals`.
 ///
 /// The energy of an interval is the difference of the cumulative energies at its end and its start, which are computed

@@ -11,11 +11,11 @@
 namespace tools {
 namespace {
 
-/// Relative noise of frames with at least `pixels` pixels: of times and rates, of energies, of memory traffic.
+/// Assumed relative noise of frames with at least `pixels` pixels: of times and rates, of energies, of memory traffic.
 struct Level {
   double pixels, time, energy, traffic;
 };
-// source: docs/noise.md, 95 % of pairs of runs of the scene whose figures vary most
+// source: docs/noise.md; covers 95 % of pairs of runs of the scene whose figures vary most
 constexpr std::array kNoiseLevels = {
     Level{1024 * 512, 0.02, 0.02, 0.10},
     Level{512 * 256, 0.09, 0.05, 0.25},
@@ -37,7 +37,7 @@ constexpr std::array kTraffic = {"dram_bytes",
                                  "energy_by_block_mj.dma",
                                  "energy_by_block_mj.interconnect"};
 
-/// True if the figure is one of `names` or below one of them.
+/// True if the path of a figure is in `names`, or is inside a group in `names`.
 bool is_among(std::string_view figure, const auto& names) {
   return std::ranges::any_of(names, [&](std::string_view name) {
     return figure.starts_with(name) && (figure.size() == name.size() || figure[name.size()] == '.');
@@ -46,7 +46,7 @@ bool is_among(std::string_view figure, const auto& names) {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Returns the half-width of the 95 % interval of a difference of two runs, in standard deviations of one run.
+/// Returns the half-width of the 95 % interval of the difference of two runs, in units of one run's standard deviation.
 double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
 
 }  // namespace
@@ -73,7 +73,8 @@ MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
 
 namespace {
 
-// long double would be initialised when the program starts, and fails under profilers with 64-bit floating point.
+// Prevents promotion to long double, which is initialised at program start and fails under profilers that use 64-bit
+// floating point.
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using Student = boost::math::students_t_distribution<double, Policy>;
 

@@ -9,7 +9,7 @@
 
 namespace tools {
 
-/// Returns the quantile of Student's t distribution below which a share `share` of the distribution lies.
+/// Returns the quantile of Student's t distribution for the cumulative probability `share`.
 double student_t(double degrees, double share = 0.975);
 /// Returns the probability that a variable of Student's t distribution exceeds `t`.
 double student_t_above(double t, double degrees);
@@ -20,7 +20,7 @@ struct Draws {
   double mean = 0;
   double deviation = 0;  ///< standard deviation of one draw, with count - 1 degrees of freedom; 0 for a single draw
 
-  /// Returns half of the 95 % interval of the mean, by Student's t; 0 for a single draw.
+  /// Returns the half-width of the 95 % interval of the mean, by Student's t; 0 for a single draw.
   double half_width() const;
 };
 Draws draws_of(std::span<const double> values);
@@ -28,10 +28,10 @@ Draws draws_of(std::span<const double> values);
 /// Difference b - a of two means with possibly unequal variances (Welch, Biometrika 1947).
 struct MeanDifference {
   double value = 0;
-  double error = 0;    ///< standard deviation of `value`
-  double degrees = 1;  ///< degrees of freedom, after Welch and Satterthwaite
+  double error = 0;    ///< standard error of `value`
+  double degrees = 1;  ///< degrees of freedom by the Welch-Satterthwaite equation
 
-  /// Returns half of its 95 % interval.
+  /// Returns the half-width of the 95 % interval of `value`.
   double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
   /// Returns the one-sided p-value: the probability of a difference at least as large as `value` if the true difference
   /// is zero.
@@ -40,11 +40,11 @@ struct MeanDifference {
 MeanDifference difference_of(const Draws& a, const Draws& b);
 
 /// Returns for each null hypothesis whether it is rejected, at a family-wise error rate of `error` (Holm, Scandinavian
-/// Journal of Statistics 1979). `p_values`: p-values.
+/// Journal of Statistics 1979). `p_values`: one per hypothesis.
 std::vector<bool> reject_hypotheses(std::span<const double> p_values, double error);
 
-/// Figures of a report's `totals` that have noise, because they vary with the timing of tiles in a frame; figures below
-/// them have noise, too. Energies by event and cycles by kernel also vary, but no noise is stated for them.
+/// Figures in a report's `totals` that vary with the timing of tiles. A group includes all figures inside it. Energies
+/// by event and cycles by kernel also vary, but no noise is stated for them.
 inline constexpr std::array kNoisyFigures = {
     "cycles",
     "time_ms",
@@ -68,8 +68,8 @@ inline constexpr std::array kNoisyFigures = {
     "relative.gpu_perf_per_watt",
 };
 
-/// Returns the noise to assume for a figure of `totals` without replicates (docs/noise.md): half of the 95 % interval
-/// of the difference of two runs of one design, as a share of the figure.
+/// Returns the noise to assume for a figure of `totals` without replicates (docs/noise.md): the half-width of the 95 %
+/// interval of the difference of two runs of one design, as a share of the figure.
 double default_noise(double pixels, std::string_view figure);
 
 /// True for a figure of `totals` that varies with the timing of tiles, e.g. "energy_mj.nominal".
@@ -78,19 +78,19 @@ bool is_noisy(std::string_view figure);
 /// A figure measured for a design: the mean of replicates, or the value of one run.
 struct SeenFigure {
   double value = 0;
-  std::optional<Draws> draws{};  ///< replicates
-  double assumed = 0;            ///< default_noise() of a run without replicates; 0: the figure does not vary
+  std::optional<Draws> draws{};  ///< statistics over replicates; empty for a single run
+  double assumed = 0;  ///< default_noise() of the figure if there are no replicates; 0: the figure does not vary
 
-  /// Returns the standard deviation of the value.
+  /// Returns the standard error of `value`.
   double standard_error() const;
-  /// Returns half of the value's 95 % interval.
+  /// Returns the half-width of the 95 % interval of `value`.
   double half_width() const;
 };
-/// Returns b - a; by Welch's test if both have replicates.
+/// Returns the difference b - a of two figures and its error; by Welch's test if both have replicates.
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
 
-/// Returns the noise of a figure measured by replicates, in the form of default_noise(): for a pair of runs, as a share
-/// of the figure.
+/// Returns the noise of a figure from its replicates. Like default_noise(), it is the half-width of the 95 % interval
+/// of the difference of two runs, as a share of the figure.
 double noise_of_pair(const Draws& draws);
 
 }  // namespace tools

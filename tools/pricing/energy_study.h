@@ -11,7 +11,7 @@ namespace tools {
 
 inline constexpr std::uint64_t kEnergyDraws = 2000, kEnergySeed = 1;
 
-/// The name that selects the energy of a whole period at frame.fps in place of a block (PricedRun::of_period).
+/// Block name that selects the energy of a whole frame period at frame.fps (PricedRun::of_period) instead of a block's.
 inline constexpr std::string_view kPeriod = "(period)";
 
 /// A figure of a report that is proportional to energy or to its inverse.
@@ -20,10 +20,11 @@ struct EnergyMetric {
   bool inverse = false;  ///< true: the figure is divided by energy, like frames per joule
   bool is_better(double a, double b) const { return inverse ? a > b : a < b; }
 };
-/// Returns the metric of "totals.energy_mj.nominal", "totals.energy_by_block_mj.tni.nominal", "totals.power_w.nominal"
-/// "totals.power_at_fps_w.nominal", and the figures of totals.perf that contain joules; none for other paths.
+/// Returns how the figure at a report path depends on energy; nullopt if it is not proportional to energy or its
+/// inverse. Examples: "totals.energy_mj.nominal", "totals.energy_by_block_mj.tni.nominal",
+/// "totals.power_at_fps_w.nominal".
 std::optional<EnergyMetric> energy_metric(std::string_view path);
-/// List of the figures that energy_metric() accepts, for messages.
+/// List of the figures that energy_metric() accepts, for error messages.
 inline constexpr std::string_view kEnergyMetrics =
     "energy_mj.nominal, power_w.nominal, power_at_fps_w.nominal, nj_per_ray, frames_per_joule_gpu, "
     "frames_per_joule_tni, "

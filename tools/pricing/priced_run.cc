@@ -49,7 +49,8 @@ void add_figure(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, 
 
 void collect_entries(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
   for (const sim::ConfigNode& node : group.children) {
-    if (node.path == "area" || node.path == "power") continue;  // areas and power settings have no energy figures
+    // area tables and power settings contain no energy figures
+    if (node.path == "area" || node.path == "power") continue;
     if (node.is_group()) {
       collect_entries(node, entries);
     } else if (node.affects != sim::Affects::kEnergy) {
@@ -96,10 +97,11 @@ double EnergyDraw::quantile_of(const EnergyEntry& entry) const {
 namespace {
 
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
-/// Relative tolerance: sums over frames are rounded differently from sums over counts.
+/// Relative tolerance between reported and recomputed sums, because sums over frames are rounded differently from sums
+/// over counts.
 constexpr double kSumRounding = 1e-9;
 
-/// Throws InputError unless the file is a whole energy table, with energy keys only.
+/// Throws InputError unless a file given as energy table is a whole one, with energy keys only.
 void check_kind(const std::filesystem::path& file) {
   const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
   const auto refuse = [&](const std::string& what) {
@@ -119,14 +121,14 @@ void check_kind(const std::filesystem::path& file) {
   }
 }
 
-/// Returns the table's file for "energy/14nm", "14nm" or a path.
+/// Returns the file of an energy table that is given as "energy/14nm", "14nm" or a path.
 std::filesystem::path table_file(const std::string& name) {
   const std::vector<std::string> known = config_names_in("energy");
   const bool is_bare = std::ranges::find(known, "energy/" + name) != known.end();
   return sim::find_config(is_bare ? "energy/" + name : name, {}, "--energy", "energy");
 }
 
-/// Replaces the energy table of `config`. Refuses keys that change more than energy.
+/// Applies an energy table and single energy keys to `config`. Throws InputError for keys that change more than energy.
 void apply_table(const PriceTable& table, RunConfig& config) {
   sim::set_config_search_path(config_folders());
   const auto before = sim::list_fields(config);
@@ -203,7 +205,7 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
   std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
   RunConfig priced = config_;
-  priced.area.arrays.clear();  // areas have no energy
+  priced.area.arrays.clear();  // no warning about the process of the area table, which does not affect energy
   std::ranges::move(process_warnings(priced), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
   idle_ = std::make_unique<sim::EnergyFormula>(idle_for_a_millisecond(units), config_.energy, device_,
@@ -211,9 +213,9 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
 }
 
 double PricedRun::of_period(sim::BandMember side) const {
-  const std::vector<double> kinds = idle_->kind_energies(side);  // dynamic, clock, leakage
+  const std::vector<double> kinds = idle_->kind_energies(side);  // in order: dynamic, clock, leakage
   const double chip_pj_per_ms = between_frames(config_.power, kinds[2], kinds[1]);
-  constexpr double kPicojoulesPerMicrojoule = 1e6;  // mW x ms
+  constexpr double kPicojoulesPerMicrojoule = 1e6;  // mW x ms = uJ
   const double memory_pj_per_ms = hw::dram_idle_mw(config_.gpu->dram).*side * kPicojoulesPerMicrojoule;
   const double rest_ms = std::max(0.0, 1000 / config_.frame.fps - work_.time_ms / work_.frames);
   return total(side) / work_.frames + (chip_pj_per_ms + memory_pj_per_ms) * rest_ms;

@@ -13,7 +13,8 @@
 
 namespace tools {
 
-/// A figure of the energy tables, or a curve of figures over size, bound to a configuration.
+/// An entry of the energy tables: a figure, or a curve of figures over size. It refers to the values in a
+/// configuration.
 struct EnergyEntry {
   std::string name;  ///< "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
@@ -25,7 +26,7 @@ struct EnergyEntry {
     sim::Band* value;
     sim::Band band;
   };
-  std::vector<Figure> figures;  ///< points of the curve, or the only figure
+  std::vector<Figure> figures;  ///< the points of the curve, or the only figure
 
   bool has_band() const;
   /// Sets the nominal value of each figure to a quantile of its band.
@@ -58,12 +59,13 @@ struct PriceTable {
 
 /// Computes the energy of a finished run without simulation, from the counts in its report and its configuration.
 ///
-///   report.json: config ──► machine at rest: what each counter costs ──► formula x table ──► joules
+///   report.json: config ──► units: energy event of each counter ──► formula x table ──► joules
+///                units  ──► counts ─────────────────────────────┘
 ///                units  ──► counts ──────────────────────────────────────┘
 class PricedRun {
  public:
-  /// Throws InputError if the report has no counts, if its counts do not give its energy under the run's own table
-  /// (another model made the report), or if `table` does not fit the machine.
+  /// Throws InputError if the report has no counts or `table` does not fit the machine. It also throws if the counts do
+  /// not give the reported energy under the run's own table, because another model made the report.
   explicit PricedRun(const ReportFile& report, const PriceTable& table = {});
   PricedRun(const PricedRun&) = delete;
   PricedRun& operator=(const PricedRun&) = delete;
@@ -71,22 +73,23 @@ class PricedRun {
   const RunConfig& config() const { return config_; }
   sim::EnergyReport energy() const { return formula_->compute_report(); }
   const WorkDone& work() const { return work_; }
-  /// Returns a line for each kind of unit whose array is outside all points of a curve of the table, and for each clock
-  /// whose energies hold at another voltage.
+  /// Returns a warning for each kind of unit whose array size is outside a curve of the table, and for each clock whose
+  /// energies are for another voltage.
   const std::vector<std::string>& extrapolation_warnings() const { return extrapolated_; }
 
   /// Returns the table entries that have a band.
   std::vector<EnergyEntry>& band_entries() { return entries_; }
-  /// Sets nominal figures to those of a random draw; restore_nominal() undoes it.
+  /// Sets the nominal energy figures to those of a random draw; restore_nominal() undoes it.
   void apply_draw(const EnergyDraw& draw);
   void restore_nominal();
   /// Recomputes the energy formula; call it after changing band_entries() directly.
   void update_formula();
 
-  /// Returns the energy in pJ under the low, nominal or high figures.
+  /// Returns the run's energy in pJ under the low, nominal or high figures.
   double total(sim::BandMember side) const { return formula_->total_pj(side); }
   double of_block(const std::string& block, sim::BandMember side) const;
-  /// Returns the pJ of a frame and of the idle rest of its period at the rate frame.fps, which is above 0.
+  /// Returns the mean energy in pJ of a frame period at the target rate frame.fps (above 0): a frame and the idle time
+  /// after it.
   double of_period(sim::BandMember side) const;
 
  private:
@@ -97,7 +100,7 @@ class PricedRun {
   sim::Time elapsed_ = 0;
   std::map<std::string, sim::DeviceEvent> device_;
   std::unique_ptr<sim::EnergyFormula> formula_;
-  std::unique_ptr<sim::EnergyFormula> idle_;  ///< of a millisecond without work
+  std::unique_ptr<sim::EnergyFormula> idle_;  ///< energy formula for a millisecond without work
   std::vector<EnergyEntry> entries_;
   std::vector<std::string> extrapolated_;
 };

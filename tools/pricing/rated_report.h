@@ -4,12 +4,12 @@
 
 namespace tools {
 
-/// Returns the frames of a finished run at a frame rate, by the run's own energy table. InputError if the report cannot
-/// be priced (PricedRun).
+/// Evaluates the frames of a finished run at the target rate `fps`, with the run's own energy table. Throws InputError
+/// if the report cannot be priced (PricedRun).
 FrameRate rate_of_report(const ReportFile& report, double fps);
 
-/// Sets at_fps, power_at_fps_w and fps_margin in the totals of a report as a run with this frame.fps has them, without
-/// statistics of replicates. InputError as rate_of_report().
+/// Sets at_fps, power_at_fps_w and fps_margin in a report's totals to the values of a run with frame.fps = `fps`.
+/// Removes their statistics over replicates. Throws InputError like rate_of_report().
 void set_frame_rate(ReportFile& report, double fps);
 
 }  // namespace tools

@@ -17,7 +17,7 @@ using sim::Json;
 
 std::string name_of(const ReportFile& report) { return sim::printable(report.file.string()); }
 
-/// Returns the node of a unit in a report's tree, "core0.tni.trv2"; null if there is none.
+/// Returns the JSON node of a unit, such as "core0.tni.trv2", in the tree `units` of a report; null if there is none.
 const Json* node_of(const Json& units, std::string_view path) {
   const std::size_t dot = path.find('.');
   const auto found = units.find(std::string(path.substr(0, dot)));

@@ -11,7 +11,7 @@ namespace tools {
 /// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
 RunConfig reported_config(const ReportFile& report);
 
-/// Reads the counts of all units from a report, to fill them into the units of a machine before its first cycle.
+/// Counts of all units in a report, which can be copied into the units of a machine that has not run.
 class ReportedCounts {
  public:
   /// Throws InputError if the report has no counts.

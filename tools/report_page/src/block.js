@@ -1,4 +1,4 @@
-// The frame of a block: heading, buttons, the drawing, and the same data as a table.
+// A block of the page: heading, buttons, the drawing, and the same data as a table.
 import { h } from "./dom.js";
 import { saveCsv } from "./files.js";
 import * as state from "./state.js";
@@ -7,8 +7,8 @@ import { plainTable } from "./table.js";
 const shownTables = () => new Set(state.get("tables").split(",").filter(Boolean));
 
 /**
- * `body` is the drawing; `more` are further controls. With `data` there is a switch to a table, and a download. `data`
- * may be a function; call `refresh()` of the figure when its result changes.
+ * Returns a block of the page. `body`: the drawing; `more`: further controls. With `data` there is a switch to a table,
+ * and a download. `data` may be a function; call `refresh()` of the returned figure when its result changes.
  */
 export function frame(block, body, { data, name = () => block.id, more = [], table } = {}) {
   const rows = typeof data === "function" ? data : () => data;

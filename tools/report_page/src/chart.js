@@ -1,4 +1,5 @@
-// Vega-Lite charts, interpreted: nothing of them is compiled into code, which the page's policy would refuse.
+// Vega-Lite charts. Vega interprets their expressions, because the page's security policy does not allow generated
+// code.
 import { h } from "./dom.js";
 import { frame } from "./block.js";
 import { records, saveSpec } from "./files.js";
@@ -10,12 +11,12 @@ import * as theme from "./theme.js";
 const options = (expressionInterpreter) => ({
   mode: "vega-lite", actions: false, ast: true, expr: expressionInterpreter, defaultStyle: false, config: theme.config(),
   tooltip: { disableDefaultStyle: true, theme: "page" }, renderer: "canvas",
-  logLevel: 1,  // errors only: a height in steps with a container width causes a warning
+  logLevel: 1,  // errors only: a height in steps together with a container width causes a warning
 });
 
-const RESIZE = 50;  // change of the width, in pixels, after which a chart is drawn again
+const RESIZE = 50;  // change of the width, in pixels, above which a chart is drawn again
 
-/** Draws a specification into an element, and again when theme or width changes. `ready` receives the view. */
+/** Draws a specification into an element, and again when theme or width changes. Calls `ready` with the Vega view. */
 export function drawn(element, spec, data, ready, more = {}) {
   let view = null, width = 0, waiting = 0;
   async function draw() {
@@ -44,7 +45,7 @@ export function drawn(element, spec, data, ready, more = {}) {
   return { done, draw };
 }
 
-/** A chart of the page's data. It is drawn when it is near the window, so that the first screen is not delayed. */
+/** Returns the block of a chart. It is drawn when it is near the window, so that the first screen is not delayed. */
 export function chart(block, data) {
   const body = h("div", { class: "drawing", "data-about": block.about });
   const spec = specOf(block.chart, block.about);

@@ -6,7 +6,7 @@ import { libraries } from "./lib.js";
 const MAPS = { sequential: "viridis", diverging: "blueorange" };
 const STEPS = 256;
 
-/** Returns a function from a share of 0 to 1 to [r, g, b], after the libraries are loaded. */
+/** Returns a layer's colour map, which maps 0 to 1 to [r, g, b]. Waits until the libraries are loaded. */
 export async function colourMap(layer) {
   const { scheme } = await libraries;
   const map = scheme(layer.diverging ? MAPS.diverging : MAPS.sequential);
@@ -19,7 +19,7 @@ function rgbOf(text) {
   return text.match(/\d+(\.\d+)?/g).slice(0, 3).map(Number);
 }
 
-/** The position of a value between low and high, 0 to 1. */
+/** Returns the position of a value between low and high, 0 to 1. */
 export function shareOf(value, { low, high, scale }) {
   if (high === low) return 0.5;
   if (scale === "log") return Math.log1p(Math.max(0, value - low)) / Math.log1p(high - low);
@@ -30,7 +30,7 @@ export function valueAt(share, { low, high, scale }) {
   return low + share * (high - low);
 }
 
-/** A colour bar with three values and a mark, which `point(value)` moves. */
+/** Returns a colour bar with three values and a mark, which `point(value)` moves. */
 export function colourBar(layer, map) {
   const canvas = h("canvas", { width: STEPS, height: 1, "aria-hidden": "true" });
   const context = canvas.getContext("2d");

@@ -1,20 +1,21 @@
-// The views of two or more runs, each against the first, from what raywatt compare finds (schema raywatt-compare/1).
+// Views of two or more runs, each compared with the first, from the output of raywatt compare (schema
+// raywatt-compare/1).
 import { digits, short } from "./format.js";
 import { at, chart, dataset, headline, itemsAt, newView, numberAt, printable, section, table, text, textAt } from "./model.js";
 import { partWords } from "./run.js";
 
-/** Figures at the top: name, words, unit, format. */
+/** Figures at the top of a comparison: key, name, unit, format. */
 const FIGURES = [
   ["cycles", "Cycles", "", "si"], ["fps", "Frame rate", "frames/s", "number"], ["energy_mj", "Energy", "mJ", "number"],
   ["power_w", "Power", "W", "number"], ["power_at_fps_w", "Power at the target rate", "W", "number"], ["frames_per_joule_gpu", "Efficiency", "frames/J", "number"],
   ["mrays_per_s", "Ray rate", "Mrays/s", "number"], ["dram_bytes", "DRAM traffic", "B", "si"], ["area_mm2", "Area", "mm²", "number"],
 ];
 
-/** Four digits, from 10,000 on three digits with a metric prefix. */
+/** Formats a number with four digits, or from 10,000 on with three digits and a metric prefix. */
 const numberText = (value) => (Math.abs(value) >= 1e4 ? short(value) : digits(value));
 const valueText = (value, unit, show) => (show === "si" ? short(value, unit) : `${numberText(value)} ${unit}`);
 
-/** A change: "+1.4 %", "x2.08", "new", "gone", "=". */
+/** Formats the change of a value: "+1.4 %", "x2.08", "new", "gone", "=". */
 export function changeText({ a, b }) {
   if (a === b) return "=";
   if (a === 0) return "new";
@@ -36,7 +37,9 @@ function pictureWords({ picture }) {
   return at(picture, "identical") === true ? "The pictures are identical." : `PSNR of the pictures ${numberAt(picture, "psnr_db").toFixed(2)} dB.`;
 }
 
-/** `found`: an entry of `against`; `first`, `second`: names of the runs. */
+/**
+ * Returns the sentence that compares two runs. `found`: an entry of `against`; `first`, `second`: names of the runs.
+ */
 export function diffVerdict(found, first, second) {
   const links = [{ words: "what made the difference", to: "waterfall" }, { words: "keys that differ", to: "keys" }];
   const cycles = at(found, "figures", "cycles"), energy = at(found, "figures", "energy_mj");
@@ -56,7 +59,7 @@ function addHeadlines(found, view) {
   }
 }
 
-/** All runs side by side, if there are more than two. */
+/** Adds a table of all runs side by side, if there are more than two. */
 function addOverview({ names, against }, view) {
   if (names.length < 3) return;
   const valueOf = (i, id) => at(against[Math.max(0, i - 1)], "figures", id, i === 0 ? "a" : "b");
@@ -65,13 +68,13 @@ function addOverview({ names, against }, view) {
   view.sections.push(section("overview", "All runs side by side", "", table("overview-table", "Figures of all runs", "overview")));
 }
 
-const LEAST = 0.002;  // share of the larger total
+const LEAST = 0.002;  // changes below this share of the larger total are merged
 const MOST_ROWS = 12;
-const MARGIN = 0.12;  // share of the axis before the smallest end of a bar
+const MARGIN = 0.12;  // space before the smallest end of a bar, as a share of the axis
 
 /**
- * Rows from the first total through changes, the largest first, to the second. Changes below two thousandths of the
- * larger total, and those after the twelfth, are one row, which has the name of its part if it is only one.
+ * Returns the rows of a waterfall chart: the first total, the changes, the largest first, and the second total. Changes
+ * below two thousandths of the larger total, and those after the twelfth, form one row.
  */
 export function waterfall(first, a, changes, last, b, unit) {
   const total = (value) => (unit ? `${numberText(value)} ${unit}` : short(Math.abs(value) < 1000 ? Math.round(value) : value));

@@ -1,11 +1,11 @@
 // Elements of the page. Text is inserted as text nodes, so that no name in a report becomes markup.
 
-/** h("a", {href: "#x", onclick: f, class: "y"}, "words", otherElement) */
+/** Creates an HTML element: h("a", {href: "#x", onclick: f, class: "y"}, "words", otherElement). */
 export function h(tag, attributes = {}, ...children) {
   return fill(document.createElement(tag), attributes, children);
 }
 
-/** The same for SVG. */
+/** Creates an SVG element; same arguments as h(). */
 export function s(tag, attributes = {}, ...children) {
   return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
 }

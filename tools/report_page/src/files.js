@@ -18,7 +18,7 @@ function cell(value) {
   return /[",\n\r]/.test(text) ? '"' + text.replaceAll('"', '""') + '"' : text;
 }
 
-/** All rows with all digits. */
+/** Returns the data as CSV: all rows, with all digits. */
 export function csvOf(data) {
   const lines = [data.columns.map((c) => c.field), ...data.rows];
   return lines.map((line) => line.map(cell).join(",")).join("\n") + "\n";
@@ -32,7 +32,7 @@ const SCHEMA = "https://vega.github.io/schema/vega-lite/v6.json";
 export const saveSpec = (name, spec, data) =>
   save(`${name}.vl.json`, "application/json", JSON.stringify({ $schema: SCHEMA, ...spec, data: { values: records(data) } }, null, 1));
 
-/** Rows as objects. */
+/** Returns the rows of a dataset as objects. */
 export function records(data) {
   const names = data.columns.map((c) => c.field);
   return data.rows.map((row) => Object.fromEntries(names.map((name, i) => [name, row[i]])));

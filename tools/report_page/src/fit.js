@@ -1,7 +1,7 @@
 // Fits charts to their width: legends in columns, and names above bars on a narrow window.
 
 export const NARROW = 560;  // pixels; below this width names are above their bars
-export const LETTER = 6.7;  // width
+export const LETTER = 6.7;  // mean width of a letter, in pixels
 const SYMBOL = 34;  // width of the symbol of a legend entry, with gaps
 const LINE = 15, BAR = 12;  // heights of a line of text and of a bar
 

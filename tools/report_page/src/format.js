@@ -5,7 +5,7 @@ const SMALLER = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 
 const trimmed = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 
-/** Four digits: 1234, 12.34, 0.001234. */
+/** Formats a number with four digits: 1234, 12.34, 0.001234. */
 export function digits(value) {
   if (!Number.isFinite(value)) return String(value);
   if (value === 0) return "0";
@@ -29,7 +29,7 @@ function joules(value) {
   return `${digits(value / scale)} ${prefix}J`;
 }
 
-/** A difference with its sign; the minus is as wide as a plus. */
+/** Formats a difference with its sign; the minus is as wide as a plus. */
 export const signed = (value, unit = "") => (value > 0 ? "+" : value < 0 ? "−" : "") + si(Math.abs(value), unit);
 
 export function percent(share) {
@@ -39,7 +39,9 @@ export function percent(share) {
 
 const METRIC = ["f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"], NO_PREFIX = 5;
 
-/** Three digits with a metric prefix: "12.3 M", "950", "4.56 mJ". A ratio below 1 has no prefix. */
+/**
+ * Formats a number with three digits and a metric prefix: "12.3 M", "950", "4.56 mJ". A ratio below 1 has no prefix.
+ */
 export function short(value, unit = "") {
   const withUnit = (text, prefix) => (prefix || unit ? `${text} ${prefix}${unit}` : text);
   if (!Number.isFinite(value) || (Number.isInteger(value) && Math.abs(value) < 1000)) return withUnit(String(value), "");
@@ -50,10 +52,10 @@ export function short(value, unit = "") {
   return withUnit((value / 10 ** (3 * group)).toFixed(decimals), METRIC[group + NO_PREFIX]);
 }
 
-/** "1 core", "4 cores", "31.9 k triangles". */
+/** Formats a count with its noun: "1 core", "4 cores", "31.9 k triangles". */
 export const counted = (count, one) => `${short(count)} ${one}${count === 1 ? "" : "s"}`;
 
-/** A value in the format of its column; a missing value is a dash. */
+/** Formats a value as its column requires; a missing value is a dash. */
 export function shown(value, { show, unit = "" } = {}, withUnit = true) {
   if (value === null || value === undefined || value === "") return "–";
   if (typeof value !== "number") return withMinus(String(value));

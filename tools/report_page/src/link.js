@@ -3,14 +3,14 @@
 let pointed = [], lit = [];
 let times = null, span = null;
 
-/** Sets the times of the tiles: {begin_us, end_us}. */
+/** Sets the time in which each tile was in flight: {begin_us, end_us}. */
 export const setTimes = (of) => (times = of);
 export const spanOf = (tile) => (times && tile !== null && times.begin_us[tile] !== null ? [times.begin_us[tile], times.end_us[tile]] : null);
 
 export const listenPointed = (listener) => pointed.push(listener);
 export const listenLit = (listener) => lit.push(listener);
 
-/** Reports the tile under the pointer, or null. */
+/** Notifies listeners of the tile under the pointer; null: none. */
 export const point = (tile) => pointed.forEach((listener) => listener(tile));
 
 /** Highlights the tiles in flight during [from, to]; null: all. */

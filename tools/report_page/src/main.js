@@ -21,7 +21,7 @@ const views = kind === "run" ? [runView(data)] : kind === "sweep" ? [sweepView(d
 globalThis.raywattPage = { kind, title, views };  // for tests
 const page = document.getElementById("page");
 
-const LONG = 12;  // rows from which a table has a filter
+const LONG = 12;  // number of rows above which a table has a filter
 
 function tableBlock(block, data) {
   const { element } = sortableTable(block, data, { filter: data.rows.length > LONG });

@@ -12,7 +12,7 @@ const OPACITY = 0.92;
 
 export function pair(block) {
   const linked = [];
-  /** Moves the crosses of the other views. */
+  /** Moves the crosses of the other views to the same pixel. */
   const follow = (self) => (x, y) => linked.forEach((view) => view !== self() && view.mark(x, y));
   const figures = [];
   if (block.a) figures.push(both(block, linked, follow));
@@ -69,7 +69,7 @@ function map(block, linked, follow) {
   const hint = "Point at the map, or move the probe by arrow keys.";
   let colours = null;
 
-  /** The difference at a tile, and both values. */
+  /** Returns a text with the difference at a tile and the values of both runs. */
   function words(x, y, value) {
     const { name, unit, of, tile, diverging } = layer();
     const at = Math.floor(y / tile) * Math.ceil(block.width / tile) + Math.floor(x / tile);

@@ -11,7 +11,7 @@ import * as state from "./state.js";
 const HINT = "Point at the picture, or move the probe by arrow keys.";
 const OPACITY = "85";  // percent
 
-/** Overlays in groups. */
+/** Returns the overlays of a picture in groups, for a select box. */
 function choices(block) {
   const named = (layers) => layers.map((l) => ({ value: l.id, name: l.name }));
   const groups = [
@@ -45,7 +45,7 @@ export function picture(block) {
     if (!layer || layer.picture) return where + when(x, y);
     return `${where}: ${value === null || value === undefined ? "no value" : si(value, layer.unit)} (${layer.name})${when(x, y)}`;
   }
-  /** The core and the time of the tile of a pixel. */
+  /** Returns a text with the core and the time of the tile that contains a pixel. */
   function when(x, y) {
     if (!times) return "";
     const i = indexAt(x, y);

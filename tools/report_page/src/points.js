@@ -10,7 +10,8 @@ import * as state from "./state.js";
 const ACCENT = "#1f5fa8", REST = "#8a9099", INK = "#1c2733", WAIT = "#b85c12", GROUND = "#ffffff";
 
 /**
- * The Pareto front of two metrics: indices, the best x first. Points that violate a constraint are excluded.
+ * Returns the Pareto front of two metrics: indices of points, the best x first. Points that violate a constraint are
+ * excluded.
  */
 export function frontOf(points, x, y) {
   const better = (metric, a, b) => (metric.more ? a > b : a < b);
@@ -34,7 +35,7 @@ function choose(i) {
   state.set({ point: i === chosenRow() ? "" : String(i) });
 }
 
-let left = null;  // rows that pass the filter of the table
+let left = null;  // rows that pass the table's filter; null: all
 const filterListeners = [];
 
 const named = (metric) => (metric.unit ? `${metric.name}, ${metric.unit}` : metric.name);
@@ -76,7 +77,7 @@ export function scatter(block, data) {
       ],
     };
   }
-  /** The drawn points for the table and the download. */
+  /** Returns the points in the scatter plot, for the table and the download. */
   function shownRows() {
     const both = [["x", x()], ["y", y()]].map(([field, m]) => ({ ...data.columns.find((c) => c.field === m.field), field }));
     const columns = [{ field: "n", title: "point", show: "number" }, ...both, { field: "place", title: "place", show: "text" }, { field: "axes", title: "axes", show: "text" }];
@@ -104,7 +105,7 @@ export function scatter(block, data) {
   return figure;
 }
 
-/** The values and the command of the chosen point. */
+/** Shows the values and the command of the chosen point. */
 function details(block, data, points) {
   const box = h("div", { class: "details", role: "status" });
   function show() {

@@ -2,13 +2,16 @@
 import { counted, percent, short } from "./format.js";
 import { at, capital, chart, dataset, entriesAt, flattened, hasNumber, headline, itemsAt, newView, numberAt, printable, section, table, text, textAt } from "./model.js";
 
-// Colours on a light ground; theme.js has those on a dark one. Neighbours differ in hue and in lightness.
+// Colours on a light ground; theme.js maps them to those on a dark one. Neighbours differ in hue and in lightness.
 const WORK = ["#2b6cb0", "#63a0d8", "#a9cbea"], WAIT = ["#b85c12", "#e0964a", "#f2c793"], TRACE = ["#17736d", "#4aa89a", "#9cd3c7"];
 const TREE = ["#6b4a95", "#a184c2", "#cebfdf"], RASTER = ["#b3446c", "#d487a3", "#ecc4d2"], RASTER_WORK = "#7a7414";
 const REST = "#8a9099", PALE_REST = "#d3d7dc";
 const BLOCKS = { tni: TRACE[0], srp: WORK[0], l2: TREE[0], tile_buffer: TREE[1], dma: WORK[1], interconnect: REST, dram: WAIT[0], raster: RASTER[0] };
 
-/** Parts of totals.top_down: group, level of a miss, words, colour, whether text on it is dark, meaning. */
+/**
+ * Parts of a core's time (totals.top_down): group, memory level of a miss, description, colour, whether text on it is
+ * dark, meaning.
+ */
 const PARTS = [
   ["kernels", "", "kernels", WORK[0], false, "a kernel's loop ran on the array"],
   ["switches", "", "kernel switches", WORK[1], true, "the array was configured for another kernel"],
@@ -31,10 +34,13 @@ const PARTS = [
 ].map(([group, level, words, colour, pale, meaning]) => ({ group, level, words, colour, pale, meaning }));
 const shareOf = (time, { group, level }) => (level ? numberAt(time, group, level) : numberAt(time, group));
 
-/** Words for "tree_misses.dram". */
+/** Returns the description of a part of totals.top_down, such as "tree_misses.dram". */
 export const partWords = (name) => PARTS.find((p) => name === (p.level ? `${p.group}.${p.level}` : p.group))?.words ?? name;
 
-/** Sums over all units of a kind by path: "core.tni.trv.counters.l1_hits", and "core.tni.trv.units": how many there are. */
+/**
+ * Returns a function from a path to its sum over all units of a kind. Paths: "core.tni.trv.counters.l1_hits",
+ * "core.tni.trv.units" (number of units).
+ */
 export function unitSums(units) {
   const sums = new Map();
   const add = (path, value) => sums.set(path, (sums.get(path) ?? 0) + value);
@@ -50,7 +56,9 @@ export function unitSums(units) {
   return (path) => sums.get(path) ?? 0;
 }
 
-/** What sections read: the report, its totals, sums over units, and seconds of the run. */
+/**
+ * Returns the data that the sections of the view read: the report, its totals, sums over units, and seconds of the run.
+ */
 function runOf(data) {
   const { report } = data, totals = at(report, "totals") ?? {}, sum = unitSums(at(report, "units"));
   const share = (unit, reasons) => {
@@ -60,9 +68,9 @@ function runOf(data) {
   return { ...data, report, totals, sum, share, seconds: numberAt(totals, "time_ms") / 1e3 };
 }
 
-const WORTH_SAYING = 1.01;  // speed-up
+const WORTH_SAYING = 1.01;  // speed-up below which no resource is named as the limit
 
-/** Estimated speed-up by each ideal resource, the largest first. */
+/** Returns the estimated speed-up by each ideal resource, the largest first. */
 function boundsOf({ totals, resources }) {
   return entriesAt(totals, "bottleneck", "estimated_speedup").filter(([, speedup]) => typeof speedup === "number")
     .map(([name, speedup]) => ({ words: resources[name] ?? printable(name), speedup })).sort((a, b) => b.speedup - a.speedup);
@@ -163,7 +171,10 @@ function addSeries({ series }, view) {
     series.note && text(series.note), charts.length > 0 && { type: "series", id: "series", title: "Over time", charts }));
 }
 
-/** Units, the reasons of the cycles in which they work at their peak, the counters of what passes then, and its name. */
+/**
+ * Peak rates by kind of unit: title, unit, reasons of cycles at peak rate, counters of the items processed then, name
+ * of an item.
+ */
 const PEAKS = [
   ["Traversal units: box pipes", "core.tni.trv", ["visiting"], ["visits"], "nodes"],
   ["Intersection units: triangle pipes", "core.tni.ist", ["testing"], ["tests"], "triangles"],
@@ -270,7 +281,7 @@ function addKernels({ totals, kernels: known }, view) {
     table("kernel-table", "Intervals, and what bounds them", "kernels")));
 }
 
-/** Words, unit, and its counters: accesses, hits, fills, cycles of misses. */
+/** Caches: title, unit, and its counters of accesses, hits, fills and miss cycles. */
 const CACHES = [
   ["node L1", "core.tni.trv", "l1_accesses", "l1_hits", "l1_fills", "l1_miss_cycles"],
   ["triangle L1", "core.tni.ist", "l1_accesses", "l1_hits", "l1_fills", "l1_miss_cycles"],
@@ -313,7 +324,10 @@ function addMemory(run, view) {
 
 const BEYOND = 5;  // factor by which the axis extends beyond the points of interest
 
-/** Ceilings: rays per second if only that resource limited, at this frame's bytes, steps and kernel cycles per ray. */
+/**
+ * Adds the roofline. Ceilings: rays per second if only that resource limited, at this frame's bytes, steps and kernel
+ * cycles per ray.
+ */
 function addRoofline({ totals, share, seconds }, view) {
   const rays = numberAt(totals, "rays", "total"), bytes = numberAt(totals, "dram_bytes"), bus = share("dram.channel", ["reading", "writing"]);
   const lead = "Rays per second against bytes of DRAM traffic per ray. Ceilings are what each resource would allow if it were always busy at its peak, with this frame's work per ray.";
@@ -358,7 +372,7 @@ function addOrigin({ report, command }, view) {
     table("config", "Configuration, every key", "config", { folded: true })));
 }
 
-/** Colours of debug pictures (docs/adaptive.md), by the beginning of their names. */
+/** Meaning of the colours in debug pictures (docs/adaptive.md), by the beginning of the picture's name. */
 const DEBUG = [
   ["similar", "yellow: interpolated; blue: traced; green: traced by post-correction; grey: references"],
   ["interpolated", "the picture where it is interpolated, black elsewhere"],

@@ -39,7 +39,10 @@ export function flow(block, data) {
 
 const wordsOf = (name) => (name.includes(": ") ? name.split(": ").slice(1).join(": ") : name);
 
-/** Without room for three columns the total is a line above its blocks. On a narrow window labels have only shares. */
+/**
+ * Draws the flow of energy. Without room for three columns the total is a line above its blocks. On a narrow window
+ * labels have only shares.
+ */
 function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, width, about) {
   const hasWhole = width >= THREE_COLUMNS;
   const every = all.filter((l) => l[side] > 0).map((l) => ({ source: l.from, target: l.to, value: l[side] }));
@@ -49,7 +52,7 @@ function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, wid
   const total = blocks.reduce((sum, name) => sum + into.get(name), 0);
   const rank = new Map(blocks.map((name, i) => [name, i]));
   const parent = new Map(every.map((l) => [l.target, l.source]));
-  /** Blocks by size, their events in the same order, then clock and leakage. */
+  /** Returns the position of a node: blocks by size, their events in the same order, then clock and leakage. */
   function order({ name }) {
     if (name in RESTS) return 1e6 + Object.keys(RESTS).indexOf(name);
     if (rank.has(name)) return rank.get(name);

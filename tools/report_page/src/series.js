@@ -13,7 +13,7 @@ const span = () => {
   return Number.isFinite(from) && Number.isFinite(to) && to > from ? [from, to] : null;
 };
 
-/** Two number fields, to brush with the keyboard. */
+/** Returns two number fields for the ends of the brush, for use with the keyboard. */
 function ends(end, change) {
   const input = (label) => h("input", { type: "number", min: 0, max: end, step: "any", "aria-label": label, onchange: () => change() });
   const from = input("Brush from, us"), to = input("Brush to, us");
@@ -31,7 +31,7 @@ export function series(block, _, all) {
   const end = Math.max(...records(all[block.charts[0].data]).map((row) => row.end_us));
   let view = null, drawing = null;
 
-  /** The chart, a brush, and a band for the tile under the pointer. */
+  /** Returns the specification of the chart with a brush and a band for the tile under the pointer. */
   function spec() {
     const { encoding, mark, transform, ...rest } = specOf(chart().chart, chart().about);
     const brush = { name: "brush", select: { type: "interval", encodings: ["x"] } };

@@ -18,7 +18,7 @@ const category = (field, labelLimit = 250) =>
 
 const colourScale = (colours) => ({ domain: colours.map(([name]) => name), range: colours.map(([, colour]) => colour) });
 
-/** Columns that fit.js writes above the bars on a narrow page. `first` is 0 in one part of each bar of several parts. */
+/** Columns that fit.js writes above the bars on a narrow page. `first` is 0 in exactly one part of a stacked bar. */
 const rowsAbove = (rows) => ({ usermeta: { rows } });
 
 const endLabel = (field) => ({
@@ -82,7 +82,7 @@ function waterfall({ title, unit, format }) {
   };
 }
 
-/** A line over a number. */
+/** A line chart of y over x, both numbers. */
 const lines = ({ x, xTitle, xFormat, y, yTitle }) => ({
   width: "container", height: 180, mark: { type: "line", point: true, color: ACCENT },
   encoding: { x: quantity(x, xTitle, xFormat), y: quantity(y, yTitle),

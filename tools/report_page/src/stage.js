@@ -14,7 +14,7 @@ async function pixelsOf(picture) {
   return { width: canvas.width, height: canvas.height, data: context.getImageData(0, 0, canvas.width, canvas.height).data };
 }
 
-/** A grid of tiles: columns, rows, and the value at a pixel. */
+/** Returns a grid of tiles: columns, rows, and the value at a pixel. */
 export function gridOf(layer, width, height) {
   const columns = Math.ceil(width / layer.tile), rows = Math.ceil(height / layer.tile);
   return { columns, rows, at: (x, y) => layer.values[Math.floor(y / layer.tile) * columns + Math.floor(x / layer.tile)] };
@@ -32,7 +32,9 @@ function drawGrid(layer, grid, canvas, map) {
   context.putImageData(pixels, 0, 0);
 }
 
-/** Draws values of pixels, which are pictures whose red and green are the high and low byte of a number of steps. */
+/**
+ * Draws values of pixels. They are stored as an image: red and green are the high and low byte of a number of steps.
+ */
 async function drawValues(layer, canvas, map) {
   const { width, height, data } = await pixelsOf(layer.pixels);
   canvas.width = width;
@@ -46,8 +48,8 @@ async function drawValues(layer, canvas, map) {
 }
 
 /**
- * `probed(x, y, value)` is called for the pixel under the pointer, with null after the pointer has left; `chosen(x, y)`
- * for a click.
+ * Returns the element of a picture with a probe. `probed(x, y, value)` is called for the pixel under the pointer, with
+ * null after the pointer has left; `chosen(x, y)` is called for a click.
  */
 export function stage({ width, height, picture, about }, { probed, chosen }) {
   const image = h("img", { alt: about, width, height, hidden: !picture, decoding: "async" });

@@ -2,9 +2,9 @@
 
 const listeners = new Map();
 let state = read();
-let isDrawn = false;  // later listeners belong to the drawn view
+let isDrawn = false;  // true: listeners added from now on belong to the drawn view
 
-/** State in the fragment. A malformed one ("#%") gives the default state. */
+/** Reads the state from the fragment. A malformed one ("#%") gives the default state. */
 function read() {
   const fragment = location.hash.slice(1);
   try {
@@ -17,7 +17,7 @@ function read() {
 
 export const get = (key, otherwise = "") => state.get(key) ?? otherwise;
 
-/** Sets keys and notifies listeners except `from`; an empty value removes its key. */
+/** Sets keys of the state and notifies listeners except `from`; an empty value removes its key. */
 export function set(changes, from) {
   for (const [key, value] of Object.entries(changes)) {
     if (value === "" || value === null || value === undefined) state.delete(key);

@@ -2,13 +2,13 @@
 import { counted, digits, short } from "./format.js";
 import { capital, chart, dataset, headline, newView, section, table, text } from "./model.js";
 
-/** "62 % of its variance (95 %: 58 to 66 %)" */
+/** Formats a share of variance: "62 % of its variance (95 %: 58 to 66 %)". */
 function shareText({ share, low, high }) {
   const whole = (value) => (100 * value).toFixed(0);
   return `${whole(share)} % of its variance${low === high ? "" : ` (95 %: ${whole(low)} to ${whole(high)} %)`}`;
 }
 
-/** A sentence on the axis that explains most of a metric, or on the two that cannot be distinguished. */
+/** Returns a sentence on the axis that explains most of a metric, or on the two that cannot be distinguished. */
 function decisionText({ points, is_grid: isGrid, effects: [first, second] }, metric) {
   const all = `${counted(points, "point")}${isGrid ? "" : " (not a full grid)"}`;
   if (second && first.low <= second.high) {

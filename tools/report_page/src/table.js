@@ -8,7 +8,7 @@ const LONG = 36;  // characters from which a cell wraps
 const WIDE = 7;  // columns above which no cell wraps
 const isNumeric = (column) => column.show !== "text";
 
-/** Columns for readers: not those that only order, place or label the marks of a chart. */
+/** Returns the columns for readers, without those that only order, place or label the marks of a chart. */
 export function readable(data) {
   return data.columns.map((column, i) => ({ ...column, i }))
     .filter((c) => !MARKS.has(c.title));
@@ -24,7 +24,7 @@ function cellOf(row, column) {
   return h("td", { class: isNumeric(column) ? "number" : text.length > LONG ? "long" : null }, text);
 }
 
-/** A table without filter and state. */
+/** Returns a table without filter and state. */
 export function plainTable(title, data) {
   return sortableTable({ id: "", title }, data, {}).element;
 }
@@ -59,7 +59,7 @@ export function filterOf(text, columns) {
   return (row) => tests.every((test) => test(row));
 }
 
-/** An example of a filter, with an existing column. */
+/** Returns an example of a filter, with an existing column. */
 function hint(columns) {
   const column = columns.find((c) => isNumeric(c) && c.field !== "n") ?? columns[0];
   const name = column.field.split(".").at(-1);
@@ -68,8 +68,8 @@ function hint(columns) {
 }
 
 /**
- * A table whose headings sort. `id` names its state in the address. `chosen(i, row)` is called for a click on a row,
- * `filtered(rows)` with the rows that pass the filter.
+ * Returns a table whose headings sort. `id` names its state in the address. `chosen(i, row)` is called for a click on a
+ * row, `filtered(rows)` with the rows that pass the filter.
  */
 export function sortableTable({ id, title }, data, { filter = false, chosen, filtered, hidden = new Set() } = {}) {
   const columns = readable(data).filter((c) => !hidden.has(c.field));

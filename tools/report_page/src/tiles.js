@@ -1,8 +1,8 @@
-// Metrics of tiles as rows of a table: those whose tiles have the size of the first.
+// Metrics of tiles as rows of a table. Metrics with another tile size than the first are left out.
 
 const where = [{ field: "x", title: "tile x", show: "number" }, { field: "y", title: "tile y", show: "number" }];
 
-/** `columnsOf(grid)` returns the columns of a metric, each with its `values`. */
+/** Returns a table with a row per tile. `columnsOf(grid)` returns the columns of a metric, each with its `values`. */
 export function tileRows(grids, width, columnsOf) {
   const tiled = grids.filter((g) => g.tile);
   if (tiled.length === 0) return null;
@@ -15,5 +15,5 @@ export function tileRows(grids, width, columnsOf) {
   };
 }
 
-/** The tile of a pixel in words. */
+/** Returns a text that names the tile of a pixel. */
 export const tileAt = (x, y, side) => `tile ${Math.floor(x / side)}, ${Math.floor(y / side)}`;
