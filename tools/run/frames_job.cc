@@ -63,7 +63,7 @@ class PictureFiles {
         width_(of.played.inputs.config.render.width),
         height_(of.played.inputs.config.render.height) {}
 
-  /// Returns the jobs, the slowest first.
+  /// Returns the jobs that write the files, the slowest first.
   std::vector<std::function<void()>> write_jobs() {
     const std::vector<float>& rgb = of_.played.frame.rendered.rgb;
     if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) add_exr("image.exr", rgb);
@@ -227,17 +227,18 @@ class LiveRun final : public View, public RunWatcher {
   std::vector<sim::UnitReport> units_;
   std::unique_ptr<sim::EnergyFormula> formula_;
   const sim::Intervals* intervals_ = nullptr;
-  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< largest picture that can be shown
+  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< largest picture that the display thread has requested
   SmallPicture picture_;
-  std::vector<std::uint64_t> before_,
-      row_;  ///< values of all units at the start and end of the last complete interval; empty before the first
+  /// Values of all units at the start and end of the last complete interval; empty before the first.
+  std::vector<std::uint64_t> before_, row_;
   sim::Time begin_ = 0, end_ = 0;
 };
 
-/// Calls run(). Throws Interrupted if fewer than `frames_to_replace` frames were finished before an interrupt.
+/// Simulates the frames with run(). Throws Interrupted if an interrupt left fewer than `frames_to_replace` finished
+/// frames.
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
                            Progress& progress) {
-  const HoldInterrupts hold;  // results exist before their folder does
+  const HoldInterrupts hold;  // because results exist before their folder does
   try {
     RunResult result = run(frames, options);
     if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
@@ -304,7 +305,7 @@ void run_frames(const JobOptions& options) {
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
     if (!options.record.empty()) {
-      // If the folder does not exist yet, the trace is staged with the report.
+      // If the run's folder does not exist yet, the trace is first written next to the report.
       const std::filesystem::path file = record_file(options, folder.target());
       const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
       trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),

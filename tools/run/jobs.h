@@ -17,13 +17,14 @@ void run_frames(const JobOptions& options);
 /// rays, unless the folder has an earlier result.
 void run_rays(const JobOptions& options);
 
-/// Compares every ray of the frames, or of the list, with Embree. Returns kGood or kCheckFailed.
+/// Compares every ray of the rendered frames, or of a ray file, with Embree. Returns kGood or kCheckFailed.
 int verify_frames(const JobOptions& options);
 int verify_rays(const JobOptions& options);
 
 /// Writes the work of frames to a trace, without simulating a machine.
 void record_trace(const JobOptions& options, const std::filesystem::path& file);
-/// Simulates a trace on the machine of the options, or on the recorded one if they have no configuration.
+/// Simulates a trace on the machine that the options configure, or on the recorded machine if they name no
+/// configuration.
 void replay_trace(const JobOptions& options, const std::filesystem::path& file);
 
 /// The rays of a ray file (--rays).

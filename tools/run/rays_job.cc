@@ -111,7 +111,7 @@ Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList&
 
 }  // namespace
 
-/// Throws InputError for keys of a frame in a sequence.
+/// Throws InputError if keys are set that apply only to a frame of a sequence.
 static void refuse_frame_keys(const FrameConfig& frame) {
   if (frame.start == FrameStart::kCold && frame.fps == 0) return;
   throw sim::InputError("--rays: a list of rays is no frame of a sequence; allowed: frame.start=cold, frame.fps=0");
@@ -133,7 +133,8 @@ void run_rays(const JobOptions& options) {
 
   Json json;
   folder.fill([&](const RunFolder::Open& open) {
-    std::optional<HoldInterrupts> hold;  // a partial result never replaces an earlier one
+    // only if the folder has no earlier result, which a partial result must not replace
+    std::optional<HoldInterrupts> hold;
     if (!folder.holds_former_run()) hold.emplace();
     progress.expect_parts(1);
     progress.begin_part(
@@ -147,7 +148,7 @@ void run_rays(const JobOptions& options) {
     sim::write_file_atomically(open() / "report.json", sim::json_text(json));
     sim::write_file_atomically(open() / "report.txt", rays_table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
-    print_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
+    print_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
     return fmt::format("{} of {} rays", machine.ray_count(), list.rays.size());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
@@ -159,7 +160,7 @@ namespace {
 
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
 
-/// Returns what is wrong with a ray; empty for a valid ray.
+/// Returns why a ray is invalid; empty for a valid ray.
 std::string_view ray_problem(const traces::Ray& ray) {
   const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
   if (!finite(ray.origin)) return "origin is not finite";

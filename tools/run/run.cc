@@ -130,7 +130,7 @@ sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progr
 
 namespace {
 
-/// An option that requires whole frames, and the reason why sampling and slices refuse it.
+/// An option that requires whole frames, and the reasons why it cannot be combined with sampling or with slices.
 struct OfWholeFrames {
   const char* option;
   bool (*is_given)(const JobOptions& options);
@@ -269,7 +269,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
   const double wall = load + run.wall_seconds + run.replicate_seconds;
   sim::Json json = report_json({origin.inputs, origin.options, {run}, result.reference_frames, result.partial, wall});
-  // Changes the JSON because a copy of the inputs would duplicate the scene.
+  // Changes the report's JSON, because a changed copy of the inputs would duplicate the scene.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);
   json["config"] = sim::config_json(config);

@@ -19,14 +19,15 @@
 
 namespace tools {
 
-/// Every tile of a frame is simulated on one machine.
+/// Mode of a run in which every tile of a frame is simulated on one machine.
 struct Whole {
   std::optional<kernels::ProgramSpec> reference;  ///< program of the reference run, if any
   std::uint32_t replicates = 1;                   ///< simulations of each frame; all but the first are perturbed
   bool debug_images = false;
 };
 
-/// The tiles of a frame are split into slices, simulated concurrently on machines of their own (docs/slices.md).
+/// Mode of a run in which a frame's tiles are split into slices, simulated concurrently on separate machines
+/// (docs/slices.md).
 struct Sliced {
   std::uint32_t slices = 1;  ///< slices per frame; kAutoSlices: chosen automatically
 };
@@ -63,15 +64,16 @@ struct RunResult {
   /// Marks the run as partial if an interrupt has left this frame with fewer than `replicates` simulations or without
   /// its reference.
   void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
-  /// Returns a text that states which of the run's `all` frames were finished before an interrupt.
+  /// Returns a text on how much of the run, which has `all` frames, was finished before an interrupt.
   std::string kept_text(std::size_t all) const;
 };
 
-/// Number of frames that an interrupted run needs to replace the result in this report.json or verify.json: as many as
-/// a partial result has, more than a complete one has. 1 if there is no result.
+/// Returns the number of finished frames that an interrupted run needs so that it may replace an earlier result. It is
+/// the number of frames of a partial result, one more than that of a complete one, or 1 if there is none. `file`:
+/// report.json or verify.json.
 std::size_t frames_to_replace(const std::filesystem::path& file);
 
-/// Prints the `warnings` of a report to stderr, without the first `already_printed`.
+/// Prints the `warnings` of a report to stderr, except the first `already_printed`, which were printed before.
 void print_warnings(const sim::Json& report, std::size_t already_printed);
 
 /// Writes report.json, report.txt, config.yaml and, if present, intervals and tiles.json to a folder.
@@ -95,14 +97,13 @@ void print_reference_location(const std::filesystem::path& folder);
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// Configuration and scene of the current frame.
+  /// Returns the configuration and scene of the current frame.
   virtual const Inputs& inputs() const = 0;
-  /// Number of frames.
   virtual std::uint32_t frame_count() const { return inputs().frames(); }
   /// True if each frame is simulated as a whole on one machine.
   virtual bool has_whole_frames() const { return true; }
   virtual bool has_reference() const = 0;
-  /// Simulations of each frame; all but the first are perturbed (docs/noise.md).
+  /// Returns the number of simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
   /// simulate() runs the program on the current frame; simulate_reference() runs the reference program on it.
   virtual FrameResult simulate(const SimulateOptions& extras) = 0;
@@ -132,7 +133,7 @@ class RenderedFrames final : public PosedFrames {
  public:
   /// Throws InputError if the frames cannot be split into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
-  /// Number of concurrent slices; 1 for a whole frame.
+  /// Returns the number of slices per frame, which are simulated concurrently; 1 if frames are not split.
   std::uint32_t slices() const { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole_frames() != nullptr && plan_.whole_frames()->reference; }
@@ -147,7 +148,7 @@ class RenderedFrames final : public PosedFrames {
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
-  std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< at the end of the last frame
+  std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< contents of the caches after the last frame
 };
 
 /// A finished frame, before it is added to the run's result.
@@ -155,7 +156,7 @@ struct PlayedFrame {
   const Inputs& inputs;
   const FrameResult& frame;
   const FrameResult* reference = nullptr;
-  const TileFrame* tiles = nullptr;  ///< with RunOptions::itemised
+  const TileFrame* tiles = nullptr;  ///< costs of each tile, if itemised
   bool is_first = true;
 };
 
@@ -166,8 +167,8 @@ struct RunOptions {
   bool intervals = false;  ///< record counters over time
   bool itemised = false;   ///< keep the costs of each tile and pixel
   RunWatcher* live = nullptr;
-  TimelineJob* timeline = nullptr;       ///< records the first frame
-  traces::TraceWriter* trace = nullptr;  ///< trace file into which the executed work is written; may be null
+  TimelineJob* timeline = nullptr;       ///< records a timeline of the first frame; null: none
+  traces::TraceWriter* trace = nullptr;  ///< trace file that receives the executed work; null: none
   std::function<void(const PlayedFrame&)> on_frame = {};
 };
 
@@ -175,7 +176,7 @@ struct RunOptions {
 /// or with `keep_part` the finished tiles of the first frame. Throws Interrupted if no frame or tile is finished.
 RunResult run(FrameSource& frames, const RunOptions& options);
 
-/// Simulates all frames of `inputs` and returns their report as JSON; writes no pictures. Of `options` it uses program,
-/// reference, replicates and threads. Throws Interrupted after an interrupt.
+/// Simulates all frames of `inputs` and returns their report as JSON; writes no pictures. It uses only the program,
+/// reference, replicates and threads of `options`. Throws Interrupted after an interrupt.
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
 }  // namespace tools

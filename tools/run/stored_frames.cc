@@ -34,7 +34,7 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   return ids;
 }
 
-/// Sets those parts of a memory image that the machine needs to know about a recorded BVH.
+/// Sets those parts of a memory image that the machine needs from a recorded BVH.
 void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
   const bool has_two_levels = !scope.links.roots.empty();
   if (has_two_levels && config.instances == traces::InstanceLevels::kFlatten) {
@@ -157,7 +157,7 @@ double StoredFrames::estimate_seconds() {
   const double steps = recorded_steps();
   const RunParallelism parallelism{threads_, replicates_};
   HostRate rate = kUsualRate;
-  // Only tiles of this program are independent of each other.
+  // A few tiles can be simulated alone only if tiles are independent, as in this program.
   const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
   if (has_free_tiles && may_take_minutes(steps, parallelism)) {
     const Part& first = find_part(false);

@@ -44,7 +44,7 @@ class StoredFrames final : public FrameSource {
   void read_frame(std::size_t index);
   using Caches = std::shared_ptr<const hw::CacheContents>;
   const traces::TraceReader::Part& find_part(bool reference) const;
-  /// Simulates a part with the caches as the last frame left them, and replaces `caches` by what it leaves.
+  /// Simulates a part of the trace. `caches`: contents of the caches at its start; replaced by those at its end.
   FrameResult play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
                         const SimulateOptions& extras, Caches& caches);
   void load_tree(const traces::TraceReader::Part& part);
@@ -59,7 +59,7 @@ class StoredFrames final : public FrameSource {
   std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace
   std::optional<std::size_t> tree_;        ///< index of the loaded BVH in the trace; none before the first frame
   traces::TileScope scope_;
-  Caches caches_, reference_caches_;  ///< at the end of the last frame
+  Caches caches_, reference_caches_;  ///< contents of the caches after the last frame
 };
 
 }  // namespace tools

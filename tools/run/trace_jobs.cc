@@ -25,7 +25,7 @@
 namespace tools {
 namespace {
 
-/// Executes a frame program with its tile rates, without a machine.
+/// Renders frames with a frame program and its tile rates, and records their work without simulating a machine.
 struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
@@ -71,7 +71,7 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (compared) reference = Recorder{*compared, rates};
 
   auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
-  const HoldInterrupts hold;  // from the first tile; a half-written file is removed before the hold ends
+  const HoldInterrupts hold;  // before the first tile; `trace` is destroyed first and removes a half-written file
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
   for_each_frame(inputs, options.threads, &progress, [&] {
     const std::vector<float> picture = program.record_frame(inputs, options.threads, progress, *trace, false);

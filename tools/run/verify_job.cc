@@ -52,8 +52,8 @@ class Verification {
   const sim::Json& frames() const { return frames_; }
   double mean_squared_error() const { return squared_error_ / static_cast<double>(frames_.size()); }
 
-  /// Compares all frames with Embree, or those before an interrupt. Throws Interrupted if there is none. Writes the
-  /// picture of the first frame and its picture by Embree.
+  /// Compares all frames with Embree, or those finished before an interrupt. Throws Interrupted if no frame is
+  /// finished. Writes the first frame's picture, and its picture traced by Embree.
   void verify_all(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     try {
       do {
@@ -92,7 +92,7 @@ class Verification {
   sim::Json frames_ = sim::Json::array();
 };
 
-/// Estimates the host seconds to verify the current frame.
+/// Estimates the host seconds to load the scene and verify all frames.
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
   constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);

@@ -15,15 +15,15 @@
 namespace tools {
 namespace {
 
-/// A pilot traces one sample in each square of samples. The side of the square is the first of these that divides the
-/// side of a tile.
+/// The pilot render traces one sample per square of samples. The square's side is the first of these numbers that
+/// divides the side of a tile.
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
-/// Sides of the square for guess_costs(), which needs less precision.
+/// Candidate sides of the square for estimate_costs(), which needs less precision than the pilot render.
 constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
 /// Host time of a reflected or refracted ray in addition to its traversal, in traversal steps (docs/slices.md).
 constexpr std::uint64_t kStepsOfARay = 15;
 
-/// Returns the program of the thin picture: one sample per square, and the same number of tiles as the frame.
+/// Returns the program of the pilot render: one sample per square, and the same number of tiles as the frame.
 kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
                                   std::span<const std::uint32_t> sides, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;

@@ -22,11 +22,11 @@ struct TileTraits {
   double array = 0;        ///< busy cycles of the shader core's array, without pipeline fill
   double visits = 0;       ///< node visits
   double tests = 0;        ///< triangle tests
-  double l1_misses = 0;    ///< misses of the caches of TRVs and IST
+  double l1_misses = 0;    ///< misses of the first-level caches of the traversal and intersection units
   double data_misses = 0;  ///< data cache misses
   double l2_misses = 0;
-  double spills = 0;  ///< ray slots above a tile's share of the tile buffer, summed over launches
-  double path = 0;    ///< critical path of launches and rays in T&I cycles, for the tile alone
+  double spills = 0;  ///< ray slots needed beyond a tile's share of the tile buffer, summed over launches
+  double path = 0;    ///< critical path of launches and rays in T&I cycles, if the tile is alone on the machine
 
   static constexpr std::size_t kCount = 9;
   static constexpr double TileTraits::*kAll[kCount] = {
@@ -39,7 +39,7 @@ struct TileTraits {
 
 /// Predicted traits and costs of all tiles of a frame, from a picture with one of every `thinning` samples.
 struct Pilot {
-  std::vector<TileTraits> traits;  ///< one per tile of the frame
+  std::vector<TileTraits> traits;  ///< traits of each tile of the frame
   std::vector<double> costs;
   double thinning = 1;
   RenderResult rendered;
@@ -48,7 +48,7 @@ struct Pilot {
 /// Returns the side length of a tile, in samples.
 std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec);
 
-/// Renders the thin picture and computes traits and cost of every tile.
+/// Renders a picture with few samples and predicts traits and cost of every tile from it.
 Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                    std::uint32_t threads, Progress* progress);
 
@@ -56,13 +56,14 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
 std::vector<double> estimate_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                                    std::uint32_t threads);
 
-/// Returns the pilot's render result with all counts of work scaled up to the full number of samples.
+/// Returns the pilot's render result with all counts of work scaled to the frame's full number of samples.
 RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
 
 inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
 /// Predicts the traits of tiles from thin tiles, which contain one of every `thinning` samples and are passed in frame
-/// order. Caches are modelled as tags that fill at once; tiles are assigned to cores, and rays to TRVs, round robin.
+/// order. Caches are modelled as tags that are filled without delay. Tiles are assigned to cores, and rays to traversal
+/// units, round robin.
 class TilePilot {
  public:
   /// `slots`: number of ray slots in a core's tile buffer that one tile can use.
@@ -70,7 +71,7 @@ class TilePilot {
             double thinning, double slots);
 
   TileTraits measure_tile(const traces::TileWork& work);
-  /// Estimated T&I cycles on the whole machine; used to choose tiles, not as a result.
+  /// Returns the estimated T&I cycles of a tile on the whole machine; used to choose tiles, not as a result.
   double estimate_cost(const TileTraits& traits) const;
 
  private:
@@ -85,7 +86,7 @@ class TilePilot {
   const traces::Layout& layout_;
   const std::span<const hw::KernelSchedule> kernels_;
   const double thinning_;
-  const double slots_;      ///< a tile's share of the ray slots
+  const double slots_;      ///< number of ray slots that one tile can use
   const double srp_cycle_;  ///< period of the SRP clock in T&I cycles
   std::vector<Core> cores_;
   hw::CacheTags l2_;

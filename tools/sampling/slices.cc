@@ -100,7 +100,7 @@ class SlicePlayer {
   const std::vector<hw::KernelSchedule>& kernel_schedules() const { return scheduled_->kernels; }
   std::uint32_t tile_count() const { return tiles_; }
 
-  /// Simulates one slice; thread-safe for different slices. `workers` threads render ahead. Throws sim::Deadlock,
+  /// Simulates one slice. Thread-safe for different slices. `workers`: threads that render ahead. Throws sim::Deadlock,
   /// Interrupted.
   PlayedSlice run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
                         std::uint32_t workers) const {
@@ -138,7 +138,7 @@ class SlicePlayer {
     played.timing_seconds = played.seconds - tiles.executing_seconds();
     return played;
   }
-  /// Counters of a machine before its first cycle.
+  /// Returns the counters of the machine before its first cycle.
   MachineSpan initial_state() const {
     NoTiles none;
     return MachineSpan(*make_machine(none));
@@ -161,8 +161,8 @@ class SlicePlayer {
   const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
 };
 
-/// Length of slices, in leads, if their number is automatic: leads then cost less than a tenth of the time, in small
-/// frames up to 15 %.
+/// Length of an automatically sized slice, as a multiple of its lead. Leads then cost less than a tenth of the time, in
+/// small frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
 
 /// Simulates all slices, `threads` at a time. Threads in excess of the number of slices render ahead.
@@ -206,7 +206,8 @@ struct SlicedProgram {
   const std::vector<Slice> plan;
 };
 
-/// Half-width, in tiles, of the error at a border between slices that probes cannot measure (docs/slices.md).
+/// Half-width of the error at a border between slices that probes cannot measure, in times or energies of a tile
+/// (docs/slices.md).
 constexpr double kBorderError = 4;
 
 /// Work that a machine has done, in quantities that rendering counts, too: traversal steps and rays.
@@ -221,8 +222,8 @@ struct Work {
   }
 };
 
-/// Ratio of the frame's work to the work that its slices simulated, which differs because tiles in flight at a border
-/// progress differently on both machines. Mean of the ratios of steps and rays.
+/// Returns the ratio of the frame's work to the work that its slices simulated: the mean of the ratios of steps and
+/// rays. Both differ, because tiles in flight at a border progress differently on the two machines.
 double work_ratio(const RenderResult& function, const Work& done) {
   return (static_cast<double>(function.traversal_steps) / done.steps +
           static_cast<double>(function.all_rays()) / done.rays) /
@@ -249,8 +250,8 @@ void scale_counts(MachineSpan& all, double factor) {
   }
 }
 
-/// Adds times and counters of all slices to the first one. Returns the half-widths of the error of time and energy,
-/// over all borders.
+/// Adds times and counters of all slices to the first slice. Returns the half-widths of the errors of time and energy,
+/// combined over all borders.
 Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
   Probe error;
   const auto add_error = [probe](double& sum, double filled, double under_way) {
@@ -436,7 +437,7 @@ constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCo
 constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Parse a count, and a list of `size` counts.
+/// Parses a count; parse_counts() parses a list of `size` counts.
 std::uint64_t parse_count(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
 const Json& parse_list(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;

@@ -39,7 +39,7 @@ struct Probe {
 struct PlayedSlice {
   Slice slice;
   MachineSpan own;
-  /// Probe at the end of the lead, and at the end of the slice; 0 at the start and end of the frame.
+  /// Probe at the end of the lead, and probe at the end of the slice; 0 at the start and end of the frame.
   Probe before, after;
   /// Host CPU time of the slice's thread: total, and without the execution of tiles.
   double seconds = 0, timing_seconds = 0;
@@ -60,7 +60,7 @@ sim::Json slice_json(const SlicePart& part);
 /// names of units. Throws InputError if the JSON does not match the machine.
 SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 
-/// Number of slices that means: choose it from the frame and the machine.
+/// Number of slices that means: choose the number from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
 /// Parses "8", or "auto" for kAutoSlices; throws InputError otherwise.
@@ -73,7 +73,7 @@ void check_slices(const kernels::ProgramSpec& program);
 /// InputError if the frame cannot be split into `requested` slices.
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested);
 
-/// As simulate_frame(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
+/// Simulates a frame like simulate_frame(), but split into slices, each on a machine of its own, `threads` at a time
 /// (docs/slices.md). The result does not depend on `threads`.
 FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                             std::uint32_t slices, Progress* progress = nullptr);
@@ -81,8 +81,8 @@ FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pr
 /// Simulates slice `index` (from 0) of `slices` alone. Returns its results for join_slices().
 sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          std::uint32_t slices, std::uint32_t index);
-/// Joins the results of all slices, in order: the result of simulate_slices() without the picture. Throws InputError if
-/// they are not the slices of this frame.
+/// Joins the results of all slices, in order. Returns the result of simulate_slices() without the picture. Throws
+/// InputError if they are not the slices of this frame.
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Describes a frame that was simulated as a whole as a frame with one slice.

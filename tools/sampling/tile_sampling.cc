@@ -29,7 +29,7 @@
 namespace tools {
 namespace {
 
-/// Activity of the machine during the measured part of a block.
+/// Activity of the machine during the measured part of a block of tiles.
 struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
@@ -37,7 +37,7 @@ struct MeasuredPart {
   TileTraits traits;  ///< traits of the work in the measured part
 };
 
-/// One run of a list of blocks on one machine.
+/// Results of simulating a list of blocks of tiles on one machine.
 struct SampledRun {
   /// Counters of the first and of the last block, which are the start and end of the frame.
   MeasuredPart begin, end;
@@ -50,7 +50,7 @@ struct SampledRun {
   double warming_seconds = 0;
 };
 
-/// Returns time and counters between two marks.
+/// Returns the time and counters of a machine between two marks.
 MeasuredPart difference_of(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::subtract_reports(part.units, a.units);
@@ -123,7 +123,8 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   return run;
 }
 
-/// Returns the weighted sum of time and counters of the measured parts. Peaks are the largest of the simulated parts.
+/// Returns the weighted sum of time and counters of the measured parts. Counters of peaks are set to the maximum over
+/// the simulated parts.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run) {
   const auto sum = [&](auto&& of) {
@@ -193,8 +194,8 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
   return {values.data(), static_cast<Index>(values.size())};
 }
 
-/// Traits per size of the parts and of the whole, standardised over the parts. Traits that are equal in all parts
-/// become 0.
+/// Traits per size of the sampled parts and of the whole, standardised over the parts. Traits that are equal in all
+/// parts become 0.
 struct Traits {
   Eigen::MatrixXd parts;  ///< one row per part
   Eigen::VectorXd whole;
@@ -255,7 +256,7 @@ constexpr double kModelError = 0.01;
 /// Largest share of the frame's work to sample; a frame that needs more is simulated whole.
 constexpr double kMostShare = 0.4;
 
-/// Returns the entries of the tile list that blocks need.
+/// Returns the entries of the tile list that blocks need, including the tiles that warm their caches.
 std::vector<std::uint32_t> tile_indices_of(std::span<const TimedBlock> blocks) {
   std::vector<std::uint32_t> tile_indices;
   for (const TimedBlock& block : blocks) {
@@ -275,7 +276,7 @@ struct Estimates {
   MeasuredPart whole;
   Interval time, energy;
   std::map<std::string, Interval> counters;
-  /// Returns the larger one of the relative half-widths of time and energy.
+  /// Returns the larger of the relative half-widths of time and energy.
   double relative_width() const {
     return std::max(time.half_width() / time.estimate, energy.half_width() / energy.estimate);
   }
@@ -356,8 +357,8 @@ void count_round(const SampledRun& run, SampledFrame& sampled) {
   for (const MeasuredPart& part : run.parts) sampled.measured += round_count(part.traits.tiles);
 }
 
-/// Returns the share of the frame's work to simulate in the next round if intervals are `off` times too wide. It is at
-/// most twice the share `spent` so far, because `off` is a rough estimate.
+/// Returns the share of the frame's work to simulate in the next round if confidence intervals are `off` times too
+/// wide. It is at most twice the share `spent` so far, because `off` is a rough estimate.
 double next_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;

@@ -17,7 +17,8 @@ namespace tools {
 /// Parameters of sampling (--tile-sampling, --image).
 struct TileSampling {
   double share = 0.05;  ///< share of the frame's work to measure
-  double target = 0;  ///< --tile-sampling auto: blocks are added until both relative half-widths are below this; 0: off
+  /// --tile-sampling auto: more blocks are simulated until both relative half-widths are below this; 0: off
+  double target = 0;
   bool full_image = true;  ///< render all tiles, including those that are not simulated
 };
 
@@ -27,7 +28,7 @@ TileSampling parse_tile_sampling(const std::string& sampling, const std::string&
 /// Throws InputError for a program whose tiles cannot be sampled.
 void check_tile_sampling(const kernels::ProgramSpec& program);
 
-/// As simulate_frame(), but simulates some tiles and estimates the rest from them (docs/sampling.md).
+/// Simulates some tiles of a frame and estimates the result of simulate_frame() from them (docs/sampling.md).
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress = nullptr);
 
@@ -54,9 +55,9 @@ class SampleWeights {
   SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
 
   const std::vector<double>& part_weights() const { return weights_; }
-  /// Estimates the whole's total of a quantity observed in each part.
+  /// Returns the estimated total of the whole for a quantity observed in each part.
   double total(std::span<const double> observed) const;
-  /// Half-width of the 95 % interval of total(), from the residuals of the fit.
+  /// Returns the half-width of the 95 % interval of total(), from the residuals of the fit.
   double half_width(std::span<const double> observed) const;
   double degrees_of_freedom() const { return degrees_; }
 

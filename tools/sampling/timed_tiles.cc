@@ -87,8 +87,8 @@ const Mark& TimedTiles::mark_at(std::uint32_t tile) const { return *std::ranges:
 
 namespace {
 
-/// Bytes of cache that one sample of a warming tile fills: in the L2, and in all first-level caches. Both give eight
-/// warming tiles of 16 x 16 samples for the default machine.
+/// Bytes of cache that one sample of a warming tile is assumed to fill: in the L2, and in all first-level caches
+/// together. Both give eight warming tiles of 16 x 16 samples for the default machine.
 constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
 }  // namespace
@@ -106,7 +106,7 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
   const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
   double squares = 0;
   for (const double cost : costs) squares += cost * cost;
-  // A tile is drawn with probability proportional to its cost, so this is the mean cost of drawn tiles.
+  // A tile is drawn with probability proportional to its cost, so this is the mean cost of a drawn tile.
   const double drawn = squares / all;
   const auto count = std::max<std::uint32_t>(
       shape.least, static_cast<std::uint32_t>(std::lround(share * all / (drawn * shape.measured))));
@@ -138,8 +138,8 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
 
 namespace {
 
-/// Length of the lead before a measured block: 5/3 of the number of tiles in flight. The first tiles of a machine start
-/// together, unlike tiles in the middle of a frame; the lead lasts until this effect has decayed (docs/slices.md).
+/// Length of a slice's lead, in thirds of the number of tiles in flight. The first tiles of a machine start together,
+/// unlike tiles in the middle of a frame. The lead lasts until this effect has decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
 /// Frames and slices shorter than this number of leads get leads of twice the length, because errors at borders are a
@@ -171,7 +171,7 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
     const std::uint32_t end = k == count ? tiles : std::clamp(fair, first + shape.lead, last);
     const std::uint32_t lead = std::min(wanted, first);
     slices.push_back(
-        // tiles of the lead warm the caches, too
+        // the tiles of the lead also warm the caches
         {first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});
     first = end;
   }

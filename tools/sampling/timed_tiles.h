@@ -35,13 +35,13 @@ class TimedTiles final : public hw::TileSource {
   /// A tile that was simulated.
   struct TimedTile {
     std::uint32_t tile = 0;
-    sim::Time begin = 0, end = 0;  ///< dispatch; completion, or the first dispatch after it
+    sim::Time begin = 0, end = 0;  ///< time of dispatch; time of completion, or of the first dispatch after it
   };
 
   /// `blocks` and `marked` are in tile order, without overlap. The machine stops at the dispatch of tile `stop_at`.
   TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
              std::optional<std::uint32_t> stop_at = std::nullopt);
-  /// Call before the machine runs.
+  /// Sets the machine that receives the tiles; call it before the machine runs.
   void set_gpu(hw::Gpu& gpu) { gpu_ = &gpu; }
 
   const traces::TileWork* next() override;
@@ -50,11 +50,11 @@ class TimedTiles final : public hw::TileSource {
   /// Sets the end of tiles still in flight. Call once, after the machine has finished.
   void end_tiles();
 
-  /// Returns the mark of a marked tile.
+  /// Returns the time and counters recorded at the dispatch of a marked tile.
   const Mark& mark_at(std::uint32_t tile) const;
   const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
   std::uint64_t warmed_tiles() const { return warmed_; }
-  /// Host seconds for warming caches, and CPU seconds for executing tiles on the machine's thread.
+  /// Returns the host seconds for warming caches, or the CPU seconds for executing tiles on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
   double executing_seconds() const { return executing_seconds_; }
 
@@ -86,18 +86,18 @@ struct GpuConfig;
 
 namespace tools {
 
-/// The tiles of a frame that are simulated.
+/// Plan of a sampled frame: the blocks of tiles to simulate.
 struct TilePlan {
   std::vector<TimedBlock> blocks;  ///< the first block is the start of the frame, the last is its end
   bool all = false;                ///< one block of all tiles: the frame is too small to sample
-  /// Tiles [begin, end) are estimated from the blocks that lie among them.
+  /// Tiles [begin, end) of the frame are estimated from the blocks within this range.
   std::uint32_t begin = 0, end = 0;
 };
 
 struct PlanShape {
   std::uint32_t edge = 24;      ///< tiles simulated at the start of the frame, and at its end
   std::uint32_t lead = 4;       ///< tiles of a block before its measured part
-  std::uint32_t measured = 12;  ///< tiles of its measured part
+  std::uint32_t measured = 12;  ///< tiles of a block's measured part
   std::uint32_t warming = 8;    ///< tiles before a block that warm the caches
   std::uint32_t least = 28;     ///< minimum number of blocks
 };
@@ -109,13 +109,13 @@ std::uint32_t warming_tiles(const hw::GpuConfig& gpu, std::uint32_t tile_samples
 /// and one block per stratum starts at a tile drawn with `seed` and probability proportional to `costs`.
 TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape& shape, std::uint64_t seed);
 
-/// Consecutive tiles [first, end) of a frame that one of several machines simulates.
+/// A slice: consecutive tiles [first, end) of a frame that one of several machines simulates.
 ///
 ///   warming tiles | lead ........ probe | first .............. probe | end
 ///   caches only   | fills the machine   | counted                    | dispatched; the machine is stopped
 ///
-/// Time and counters count from the dispatch of `first` to that of `end`. The first slice starts, and the last slice
-/// ends, like a whole frame.
+/// Time and counters are measured from the dispatch of `first` to the dispatch of `end`. The first slice starts, and
+/// the last slice ends, like a whole frame.
 struct Slice {
   std::uint32_t first = 0, end = 0;
   std::uint32_t lead = 0, warming = 0;
@@ -128,7 +128,7 @@ struct SliceShape {
   std::uint32_t lead = 0;  ///< tiles of a short lead, which fills the machine; also the minimum length of a slice
   /// Last tiles of the lead, which are also the last tiles that the previous slice's machine simulates.
   std::uint32_t probe = 0;
-  std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, including its lead
+  std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, including the slice's lead
 };
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements);

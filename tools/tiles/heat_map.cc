@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-/// Rectangle of the picture that a tile renders, and a figure summed over all passes.
+/// Rectangle of the picture that a tile renders, and the sum of a figure over all passes.
 struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;
@@ -109,7 +109,7 @@ DrawnMap draw_heat_map(const HeatMap& map) {
 
 namespace {
 
-/// Whole numbers up to this are exact in 16 bits.
+/// Largest number up to which 16-bit floats represent all whole numbers exactly.
 constexpr std::uint32_t kMostHalf = 2048;
 
 }  // namespace

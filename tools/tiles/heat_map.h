@@ -13,8 +13,8 @@ namespace tools {
 
 /// A map of one figure, with a value for each pixel of the picture.
 struct HeatMap {
-  std::string name;   ///< "steps"
-  std::string title;  ///< "Traversal steps of a pixel"
+  std::string name;   ///< name in the file name: "steps"
+  std::string title;  ///< title above the map: "Traversal steps of a pixel"
   const char* map;    ///< OpenImageIO's name of the colour map
   std::uint32_t width = 0, height = 0;
   std::vector<float> values;

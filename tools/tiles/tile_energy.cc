@@ -62,7 +62,8 @@ Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed
 
 namespace {
 
-/// Kinds of work, followed by the counters of a shader core that depend on its kernels.
+/// Kinds of work by which energy is shared. From kOperations on: the counters of a shader core that depend on its
+/// kernels.
 enum Kind : std::size_t {
   kRays,
   kVisits,
@@ -87,7 +88,7 @@ enum Kind : std::size_t {
   kOperations
 };
 
-/// Calls f(value, name) for the counters of a shader core.
+/// Calls f(value, name) for each counter of a shader core.
 void each_counter(const hw::SrpStats& stats, auto&& f) {
   hw::SrpStats::describe(stats, [&](const std::uint64_t& value, const char* name, auto&&...) { f(value, name); });
 }
@@ -119,7 +120,7 @@ Rule make_rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
   return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
 }
 
-/// Rules for counters that are not shared out like the others of their unit.
+/// Rules for counters whose energy is shared by another kind of work than that of most counters of their unit.
 const std::vector<Rule>& special_rules() {
   using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
   static const std::vector<Rule> all = {
@@ -149,7 +150,7 @@ const std::vector<Rule>& special_rules() {
   return all;
 }
 
-/// Returns the kind of work for all other counters of a kind of unit; none: time.
+/// Returns the kind of work for the energy of those counters of a unit that special_rules() does not list; none: time.
 std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::RayDispatcher)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;
@@ -167,8 +168,7 @@ std::uint64_t lines_of(const hw::TileAccount& account, hw::RequesterKind asker) 
   return account.lines[static_cast<std::size_t>(asker)];
 }
 
-/// Each tile's part of a machine's work: a number per tile and kind of work, by which the energy of that kind is shared
-/// out.
+/// Weights for sharing a machine's energy among tiles: for each tile and kind of work, the amount of that work.
 class TileWeights {
  public:
   explicit TileWeights(const FrameResult& s)
@@ -193,7 +193,8 @@ class TileWeights {
   std::size_t kind_count() const { return kinds_; }
   double tile_weight(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double weight_without_tile(std::size_t kind) const { return rest_[kind]; }
-  /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
+  /// Returns the total weight of a kind of work over the tiles of a core. Without a core: over all tiles and requests
+  /// without a tile.
   double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
     double all = core ? 0 : rest_[kind];
     for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
@@ -233,11 +234,11 @@ class TileWeights {
     set(kDramWrites, account.dram_writes);
     set(kActivates, account.activates);
   }
-  /// Adds operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by
-  /// transfers.
+  /// Adds to each tile's weights the operations of its kernels, and its accesses to the tile buffer by kernels, rays,
+  /// hits and transfers.
   void add_kernels(const FrameResult& s) {
-    constexpr double kAccess = 16;          // bytes
-    std::vector<std::vector<double>> item;  // by kernel
+    constexpr double kAccess = 16;          // bytes per access to the tile buffer
+    std::vector<std::vector<double>> item;  // counters for one item of each kernel
     for (const hw::KernelSchedule& kernel : s.kernels) {
       hw::SrpStats one;
       one.add_loop(kernel, 1, 1);
@@ -348,7 +349,7 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
 
 namespace {
 
-// the same factor as in reports, so that figures agree to the last bit
+// the same factor as in reports, so that figures are equal to the last bit
 constexpr double kMillijoulesPerPicojoule = 1e-9;
 
 /// Returns the number that gives exactly `whole` when it is added to `sum`, in spite of rounding.

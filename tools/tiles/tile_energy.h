@@ -12,10 +12,10 @@
 
 namespace tools {
 
-/// Shares of a frame's time by tile: at any time the tiles in flight on a core (or on any core, if none is given) share
-/// the time equally. The rest is time without tiles.
+/// Share of each tile in a frame's time. At any time, the tiles in flight on a core (on any core, if none is given)
+/// share the time equally. The rest is time without tiles in flight.
 struct Residence {
-  std::vector<double> tiles;  ///< 0 for tiles of other cores
+  std::vector<double> tiles;  ///< share of each tile; 0 for tiles of other cores
   double rest = 0;
 };
 Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);

@@ -10,10 +10,10 @@
 
 namespace tools {
 
-/// A figure of all tiles of a frame.
+/// A column of a frame's tile table: one figure for all tiles.
 struct TileColumn {
   std::string name, unit;
-  bool is_sum = false;  ///< true: the frame's figure is the sum of all values, in order, and `rest`, to the last bit
+  bool is_sum = false;  ///< true: the frame's figure is exactly the sum of all values, in order, plus `rest`
   std::vector<double> values = {};  ///< one per tile; whole numbers are exact
   double rest = 0;                  ///< part of the frame's figure that belongs to no tile
   double total = 0;

@@ -157,7 +157,7 @@ class CounterWriter {
  public:
   CounterWriter(const TimeBins& time_bins, TracePackets& to) : time_bins_(time_bins), to_(to) {}
 
-  /// Writes a value per bin, only where it changes.
+  /// Writes the values of a counter, one per time bin in which the value changes.
   void write_values(std::uint64_t track, auto&& value) {
     double before = -1;
     for (std::size_t i = 0; i < time_bins_.bin_count(); ++i) {
@@ -180,7 +180,7 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
     seen.emplace_back(slice.end, slice.rays_at_end);
   }
   std::ranges::stable_sort(seen, {}, &std::pair<sim::Time, std::uint32_t>::first);
-  // This counter gets at most as many values as other counters have.
+  // Limits the number of values of this counter to that of other counters.
   const std::size_t step = 1 + seen.size() / kMostTimeBins;
   for (std::size_t i = 0; i < seen.size(); i += step)
     to.add_count(to_nanoseconds(seen[i].first), track, seen[i].second);
@@ -246,7 +246,8 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns for each slice the rank, among the selected tiles, of the tile for which it is shown, or kNotWanted.
+/// Returns a rank for each slice: the position in the selection of the first tile during which it occurs, or
+/// kNotWanted.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
@@ -277,7 +278,7 @@ class SliceWriter {
  public:
   SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
 
-  /// Calls add(time, write) for each event of a slice in order; write(packets) adds it.
+  /// Calls add(time, write) for each event of a timeline slice in order; write(packets) adds the event to the trace.
   void each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
     const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end_slice(time, track); };
     add(slice.begin, [=, this](TracePackets& to, std::uint64_t time) { write_begin(slice, track, to, time); });
@@ -332,7 +333,8 @@ class SliceWriter {
   const TileFrame& tiles_;
 };
 
-/// Returns the indices of the slices in order of rank. Earlier ones get space in the file first.
+/// Returns the indices of the selected slices by rank and time. If space in the file runs out, the first ones have
+/// priority.
 std::vector<std::size_t> order_by_rank(const std::vector<RecordedSlice>& slices,
                                        const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
@@ -355,7 +357,8 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   TimelineTracks tracks(config.gpu->cores);
   TracePackets counters;
   write_counters(recorder, s, tiles, config, tracks, counters);
-  // Room for texts, for tracks of lanes not yet known, and for the part of the last slice beyond the limit.
+  // Space for texts, for tracks of ray batches that are not known yet, and for the part of the last slice beyond the
+  // limit.
   constexpr std::uint64_t kSetAside = std::uint64_t{1} << 20;
   const SliceWriter writer(s, tiles);
   TracePackets scratch;

@@ -19,10 +19,10 @@ struct RecordedSlice {
   enum class Kind : std::uint8_t { kTile, kLoop, kRays, kTransfer };
   Kind kind = Kind::kTile;
   std::uint8_t what = 0;   ///< kRays: kind of ray; kTransfer: area of memory
-  bool to_memory = false;  ///< kTransfer
+  bool to_memory = false;  ///< kTransfer: true for a write to memory
   std::uint16_t core = 0;
   std::uint16_t slot = 0;                            ///< kTile: tile slot of the core
-  std::uint16_t kernel = 0;                          ///< kLoop
+  std::uint16_t kernel = 0;                          ///< kLoop: number of the kernel
   std::uint32_t entry = kNoEntry;                    ///< index in the tile list
   std::uint32_t amount = 0;                          ///< kLoop: items; kRays: rays; kTransfer: bytes
   std::uint32_t launches = 0;                        ///< kLoop: chunks of kernel launches in the loop
@@ -30,11 +30,11 @@ struct RecordedSlice {
   sim::Time begin = 0, end = 0;
   sim::Time configured = 0, start = 0;  ///< kLoop: end of the configuration switch; begin of the loop
   std::uint64_t cycles = 0;             ///< kLoop: cycles of the shader core
-  sim::Time stalled = 0;                ///< kLoop
+  sim::Time stalled = 0;                ///< kLoop: time in which the shader core was stalled
   static constexpr std::uint32_t kNoEntry = 0xffffffffU;
 };
 
-/// Work of the memory side in one bin of time.
+/// Activity of L2 and memory in one bin of time.
 struct MemoryBin {
   std::uint64_t l2_hits = 0, l2_misses = 0;
   /// Lines that the memory has read and written, counted when their data end.
@@ -44,7 +44,7 @@ struct MemoryBin {
 /// Records a machine's activity in a frame for a timeline.
 class TimelineRecorder final : public hw::Observer {
  public:
-  static constexpr sim::Time kBin = 1'000'000'000;  ///< a microsecond
+  static constexpr sim::Time kBin = 1'000'000'000;  ///< length of a time bin: a microsecond
 
   explicit TimelineRecorder(std::uint32_t cores) : slots_(cores), batches_(cores) {}
   void on_event(const hw::Event& event) override;
@@ -78,7 +78,7 @@ class TimelineRecorder final : public hw::Observer {
   }
   std::uint32_t entry_of(std::uint32_t core, hw::TileTag tile) const;
 
-  std::uint32_t newest_ = 0;                 ///< highest entry of the tile list that a core has taken
+  std::uint32_t newest_ = 0;                 ///< highest index in the tile list of the tiles that cores have started
   std::vector<std::vector<Slot>> slots_;     ///< tile slots, by core
   std::vector<std::vector<Batch>> batches_;  ///< batches of rays in flight, by core
   std::vector<RecordedSlice> slices_;
@@ -89,7 +89,7 @@ class TimelineRecorder final : public hw::Observer {
 struct TimelineSelection {
   enum class Kind : std::uint8_t { kAll, kSlowest, kTile, kPixel };
   Kind kind = Kind::kAll;
-  std::uint32_t count = 0;     ///< kSlowest
+  std::uint32_t count = 0;     ///< kSlowest: number of tiles
   std::uint32_t x = 0, y = 0;  ///< kTile: column and row of the tile; kPixel: column and row of the pixel
   bool needs_tile_positions() const { return kind == Kind::kTile || kind == Kind::kPixel; }
 };
@@ -129,12 +129,12 @@ class TimelineJob {
   explicit TimelineJob(std::string text);
 
   const std::optional<TimelineSelection>& tile_selection() const { return selection_; }
-  /// Throws InputError if the picture of the current frame of `inputs` has no such tile or pixel.
+  /// Throws InputError if the picture of the current frame of `inputs` does not have the selected tile or pixel.
   void check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const;
   /// Returns the observer of the next frame's machine; null from the second frame on.
   hw::Observer* begin_frame(const RunConfig& config);
   /// Makes the timeline of the first frame; ignores later frames. If the frame was interrupted before a selected tile,
-  /// it prints a warning and makes no timeline.
+  /// there is no timeline, and write_file() adds a warning to the report.
   void end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config);
   /// Writes the timeline file, and adds the numbers of shown and dropped slices to the report.
   void write_file(const std::filesystem::path& folder, sim::Json& report) const;

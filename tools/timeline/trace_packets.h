@@ -17,7 +17,7 @@
 /// Packets of a Perfetto trace.
 namespace tools::perfetto {
 
-/// Table of texts that events of a trace refer to by number.
+/// Table of texts to which the events of a trace refer by number.
 class InternedTexts {
  public:
   std::uint64_t number_of(std::string_view text) {
@@ -72,7 +72,7 @@ struct Annotation {
 };
 struct Interned {
   static constexpr Tag kCategories = 1, kNames = 2, kAnnotationNames = 3;
-  static constexpr Tag kId = 1, kText = 2;  ///< fields of each entry
+  static constexpr Tag kId = 1, kText = 2;  ///< fields of an interned text
 };
 
 constexpr std::uint32_t kSequence = 1;
@@ -88,7 +88,7 @@ inline void add_texts(Writer& interned, Tag tag, const InternedTexts& texts) {
 /// Serialised packets of a Perfetto trace. Times are in nanoseconds, rounded down.
 class TracePackets {
  public:
-  /// Adds a process for a part of the machine, the parent of its tracks.
+  /// Adds a Perfetto process for a part of the machine; it is the parent of that part's tracks.
   void add_process(std::uint64_t id, std::string_view name, std::int32_t rank) {
     add_packet([&](Writer& packet) {
       Writer track(packet, Packet::kTrackDescriptor);
@@ -115,7 +115,7 @@ class TracePackets {
       track.add_int32(Track::kRank, of.rank);
     });
   }
-  /// Begins a slice. `flow`: the slice's flow; 0: none.
+  /// Begins a slice of the timeline on a track. `flow`: number of the flow that connects it with other slices; 0: none.
   void begin_slice(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
                    std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes) {
     add_packet([&](Writer& packet) {
@@ -187,7 +187,8 @@ enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 1
 /// Tracks of a timeline: a process for each core, and one shared by all.
 class TimelineTracks {
  public:
-  static constexpr std::uint64_t kLongestId = 0xffffffff;  ///< no id takes more bytes than this one
+  /// Id with the longest encoding, to estimate the size of packets.
+  static constexpr std::uint64_t kLongestId = 0xffffffff;
 
   explicit TimelineTracks(std::uint32_t cores) : cores_(cores) {}
 
@@ -221,7 +222,8 @@ class TimelineTracks {
     lane->free_at = slice.end;
     return lane->id;
   }
-  /// Adds a counter to the process shared by all cores, or to a core; returns its track.
+  /// Adds a counter to the process shared by all cores and returns its track; core_counter() adds it to the process of
+  /// a core.
   std::uint64_t shared_counter(const std::string& name, const std::string& unit) {
     return new_track(shared_process(), name, kOfCounters, unit);
   }

@@ -8,14 +8,14 @@
 
 namespace tools {
 
-/// Caches at the start of a frame.
+/// State of the caches at the start of a frame.
 enum class FrameStart : std::uint8_t {
   kCold,  ///< empty
   kWarm,  ///< as the previous frame left them
 };
 constexpr std::array<std::string_view, 2> names_of(FrameStart) { return {"cold", "warm"}; }
 
-/// A frame's place in a sequence.
+/// Settings of a frame as part of a sequence: start state of the caches, and target frame rate.
 struct FrameConfig {
   FrameStart start = FrameStart::kCold;
   double fps = 0;

@@ -18,21 +18,21 @@
 namespace tools {
 namespace {
 
-constexpr double kPicojoulesPerMillisecond = 1e-6;  // in mW
+constexpr double kPicojoulesPerMillisecond = 1e-6;  // converts pJ per ms to mW
 constexpr sim::Time kMillisecond = sim::kFemtosecondsPerSecond / 1000;
 constexpr double kMilliwattsPerWatt = 1000, kHertzPerMegahertz = 1e6;
-/// Tolerance of the period for rounding.
+/// Relative rounding tolerance when a frame's time is compared with the period.
 constexpr double kRateRounding = 1e-9;
-/// Operating points that are compared.
+/// Number of clock settings among which the one with the least power is searched.
 constexpr int kOperatingPoints = 256;
 
-/// Returns the energy of a millisecond in which every unit is idle.
+/// Returns the energy of the chip, without the memory, in a millisecond in which every unit is idle.
 sim::EnergyReport idle_energy(const RunConfig& config, std::span<const sim::UnitReport> units) {
   return sim::compute_energy(idle_for_a_millisecond(units), config.energy, hw::dram_energy_events(config.gpu->dram),
                              kMillisecond, power_scales(config));
 }
 
-/// The chip's clocks times a factor, and the resulting factors of each block's energies.
+/// The chip's clocks times a factor, the voltages that they need, and the resulting energy scale of each block.
 struct ScaledClocks {
   double factor = 1;
   std::vector<double> mhz{}, volt{};
@@ -43,12 +43,12 @@ struct ScaledClocks {
   }
 };
 
-/// Returns what the chip takes between frames, in mW.
+/// Returns the power of the chip, without the memory, between frames, in mW.
 sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, const ScaledClocks& clocks) {
   sim::Band sum;
   for (const ClockDomain& domain : clock_domains()) {
     for (const std::string& name : domain.blocks) {
-      const auto block = idle.blocks.find(name);  // there may be no rasteriser
+      const auto block = idle.blocks.find(name);  // a machine may have no rasteriser
       if (block == idle.blocks.end()) continue;
       const sim::PowerScale scale = clocks.of(name);
       sum += between_frames(config.power, block->second.leakage * scale.leakage,
@@ -58,7 +58,7 @@ sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, c
   return sum * kPicojoulesPerMillisecond;
 }
 
-/// Returns the energy of all frames at other clocks, if they take equally many cycles of them.
+/// Returns the energy of all frames at other clocks, if the number of cycles stays the same.
 sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks) {
   sim::Band sum;
   for (const auto& [name, block] : energy.blocks) {
@@ -66,7 +66,8 @@ sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks)
     sum += (block.dynamic + block.clock) * scale.dynamic + block.leakage * (scale.leakage / clocks.factor);
     if (name != "dram") continue;
     const auto events = energy.events.find(name);
-    for (const char* refresh : {"dram.refresh", "dram.refresh_all"}) {  // as often in each second
+    // refreshes per second do not depend on the clocks
+    for (const char* refresh : {"dram.refresh", "dram.refresh_all"}) {
       if (events == energy.events.end() || !events->second.contains(refresh)) continue;
       sum += events->second.at(refresh) * (1 / clocks.factor - 1);
     }
@@ -74,7 +75,7 @@ sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks)
   return sum;
 }
 
-/// Returns the mean power over a period in W. `pj`: energy of all frames.
+/// Returns the mean power in W over a frame period, with its idle time. `pj`: energy of all frames.
 sim::Band mean_power_w(const FinishedFrames& frames, double fps, const sim::Band& pj, double time_ms,
                        const sim::Band& idle_mw) {
   const double busy = fps * time_ms / frames.count / 1000;
@@ -82,7 +83,7 @@ sim::Band mean_power_w(const FinishedFrames& frames, double fps, const sim::Band
   return joules_per_frame * fps + idle_mw * (std::max(0.0, 1 - busy) / kMilliwattsPerWatt);
 }
 
-/// Evaluates frames at other clocks.
+/// Estimates the power of finished frames at scaled clocks and the voltages that these need.
 class OperatingPoints {
  public:
   OperatingPoints(const RunConfig& config, const FinishedFrames& frames, const sim::EnergyReport& idle)
@@ -93,7 +94,7 @@ class OperatingPoints {
         curves_(sim::voltage_curves(config.power)),
         own_(power_scales(config)) {}
 
-  /// True if every domain has a curve.
+  /// True if every clock domain has a voltage curve.
   bool has_curves() const {
     return std::ranges::all_of(clock_domains(),
                                [&](const ClockDomain& d) { return curves_.contains(std::string(d.name)); });

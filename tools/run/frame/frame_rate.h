@@ -9,10 +9,11 @@
 
 namespace tools {
 
-/// Returns the units of the chip, without the memory's, with the counts of a millisecond in which all are idle.
+/// Returns reports of the chip's units, without the memory's, for a millisecond in which all of them are idle.
 std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitReport> units);
 
-/// Returns what remains between frames of the chip's leakage and of the clock of its idle units, by power.idle.
+/// Returns what the chip still uses between frames, as energy or power. power.idle decides which share of its leakage
+/// and idle clocks remains.
 template <class Energy>
 Energy between_frames(const sim::PowerConfig& power, const Energy& leakage, const Energy& idle_clock) {
   switch (power.idle) {
@@ -26,44 +27,47 @@ Energy between_frames(const sim::PowerConfig& power, const Energy& leakage, cons
   return leakage + idle_clock;
 }
 
-/// Returns the power between frames, in mW: the chip in the state of power.idle, and the memory. `units`: all units of
-/// the machine; their counts do not matter.
+/// Returns the power between frames in mW: of the chip in the state power.idle, and of the memory. `units`: all units
+/// of the machine; their counts are not used.
 sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport> units);
 
-/// Finished frames.
+/// Energy, units and times of the finished frames of a run.
 struct FinishedFrames {
-  const sim::EnergyReport& energy;         ///< of all frames
-  std::span<const sim::UnitReport> units;  ///< of the machine
+  const sim::EnergyReport& energy;         ///< energy of all frames
+  std::span<const sim::UnitReport> units;  ///< units of the machine
   double count = 1;
-  double time_ms = 0;     ///< of all frames
-  double slowest_ms = 0;  ///< of the slowest frame
+  double time_ms = 0;     ///< time of all frames together
+  double slowest_ms = 0;  ///< time of the slowest frame
 };
 
-/// An operating point of the chip: all its clocks times a factor, each at the voltage that it needs.
+/// An operating point of the chip: all its clocks times a factor, each with the voltage that it needs.
 struct RatedClocks {
   double factor = 1;
-  std::vector<double> mhz, volt;  ///< of each clock domain
-  sim::Band power_w;              ///< mean over a period, at the target rate
+  std::vector<double> mhz, volt;  ///< clock and voltage of each clock domain
+  sim::Band power_w;              ///< mean power over a frame period at the target rate
 };
 
-/// Frames at the target rate frame.fps: each begins a period after the one before, and the machine idles in between.
+/// A run at the target frame rate frame.fps: each frame begins a period after the one before, and the machine idles in
+/// between.
 struct FrameRate {
   double fps = 0, period_ms = 0, slowest_ms = 0;
-  double busy = 0;                     ///< mean share of a period in which the machine works
-  sim::Band idle_mw;                   ///< power between frames
-  sim::Band power_w;                   ///< mean power; if the rate is not met, energy per frame times rate
-  double clock_factor = 0;             ///< of the slowest clocks that meet the rate if cycles stay the same
-  std::optional<RatedClocks> slowest;  ///< these clocks, if the rate is met
-  std::optional<RatedClocks> best;     ///< the clocks between these and the configured ones with the least power
+  double busy = 0;          ///< mean share of a period in which the machine works
+  sim::Band idle_mw;        ///< power between frames, in mW
+  sim::Band power_w;        ///< mean power; if the rate is not met, energy per frame times rate
+  double clock_factor = 0;  ///< factor of the slowest clocks that meet the rate if the number of cycles stays the same
+  /// Operating point with these clocks; empty if the rate is not met or a curve is missing.
+  std::optional<RatedClocks> slowest;
+  /// Operating point with the least power between `slowest` and the configured clocks.
+  std::optional<RatedClocks> best;
 
-  /// Rate of the slowest frame over the target.
+  /// Returns the frame rate of the slowest frame divided by the target rate.
   double margin() const { return period_ms / slowest_ms; }
   double slack_ms() const { return period_ms - slowest_ms; }
   bool is_met() const;
 };
 
-/// Returns the frames at the rate frame.fps, which is above 0. Operating points assume that a frame takes equally many
-/// cycles at lower clocks: the memory keeps its clock, so it takes fewer.
+/// Evaluates finished frames at the target rate frame.fps, which is above 0. Operating points assume that a frame takes
+/// the same number of cycles at lower clocks. It takes fewer, because the memory keeps its clock.
 FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames);
 
 }  // namespace tools

@@ -41,7 +41,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
   try {
     while (threads_.size() < workers) threads_.emplace_back([this] { run_ahead(); });
   } catch (const std::exception&) {
-    // The threads that did start execute all tiles; without any, next() does.
+    // Those threads that could be started execute all tiles; without any, next() executes them.
   }
 }
 

@@ -30,21 +30,21 @@ namespace tools {
 
 class InMemoryTrace;
 
-/// What a frame program computes, independent of the machine: picture, and counts of work.
+/// Results of a frame program that do not depend on the machine: picture, and counts of work.
 struct RenderResult {
   std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by finish_picture()
   kernels::Sampling sampling;              ///< set together with rgb
   std::vector<kernels::SampleMark> marks;  ///< set together with rgb, if the program keeps marks
-  kernels::TileSummaries summaries;        ///< summaries of the tiles taken so far, if itemised
+  kernels::TileSummaries summaries;        ///< summaries of the tiles that next() has returned so far, if itemised
   /// Work of each pixel by rows, if itemised; empty for a program without a picture.
   std::vector<kernels::PixelWork> pixels;
   std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
-  std::uint64_t continued = 0;  ///< rays that continued behind a transparent surface
+  std::uint64_t continued = 0;  ///< rays that continued after passing a transparent surface
   std::uint64_t traversal_steps = 0;
   double seconds = 0;  ///< host seconds of rendering, summed over threads
-  double waited = 0;   ///< host seconds in which the caller of next() was blocked
+  double waited = 0;   ///< host seconds in which the caller of FrontEnd::next() was blocked
   std::uint64_t all_rays() const;
-  /// Adds the counts of another frame. The picture and the data of tiles and pixels stay.
+  /// Adds the counts of another frame. The picture and the data of tiles and pixels remain those of this frame.
   void add(const RenderResult& other);
 };
 
@@ -52,9 +52,9 @@ struct RenderResult {
 /// bounded number of tiles and bytes. The results are independent of the number of threads.
 class FrontEnd final : public hw::TileSource {
  public:
-  /// `workers`: threads besides the caller's; 0: next() executes tiles. `record`: also record the work for a machine.
-  /// `tile_indices`: entries of the tile list to execute, in order, for a program of one pass; empty: all. `itemised`:
-  /// keep the costs of each tile and pixel.
+  /// `workers`: threads in addition to the caller's; 0: next() executes tiles. `record`: also record the work for a
+  /// machine. `tile_indices`: entries of the tile list to execute, in order, for a program of one pass; empty: all.
+  /// `itemised`: keep the costs of each tile and pixel.
   FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true,
            std::vector<std::uint32_t> tile_indices = {}, bool itemised = false);
   ~FrontEnd() override;
@@ -83,7 +83,8 @@ class FrontEnd final : public hw::TileSource {
     return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
   }
   const traces::TileWork* take_tile();
-  /// Returns a free slot with the capacity that tiles have needed so far, so that later tiles do not allocate.
+  /// Returns a free slot. Its arrays have the largest sizes that tiles have needed so far, so that later tiles do not
+  /// allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
   void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
@@ -101,19 +102,20 @@ class FrontEnd final : public hw::TileSource {
   RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
-  std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles in execution or finished, in order
+  /// Tiles that are executed or finished but not yet returned by next(), in order.
+  std::vector<std::unique_ptr<Slot>> ahead_;
   std::vector<std::unique_ptr<Slot>> handed_;  ///< tiles that the machine holds
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned
-  std::size_t slots_ = 0;                  ///< number of slots in all three lists
+  std::size_t slots_ = 0;                  ///< number of slots in ahead_, handed_ and spare_
   std::array<std::size_t, 13> longest_{};  ///< maximum sizes of the arrays of a tile so far
   kernels::TileBuffer buffer_;             ///< scratch memory of the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;
-  std::uint32_t pass_end_ = 0;  ///< end of the tiles of the current pass, which may be executed
+  std::uint32_t pass_end_ = 0;  ///< end of the current pass; only tiles before it may be executed
   std::size_t max_ahead_;
   bool stop_ = false;
-  std::exception_ptr failure_;  ///< exception while the slot of next_tile_ was allocated
+  std::exception_ptr failure_;  ///< exception thrown when a slot for next_tile_ was allocated
   std::vector<std::thread> threads_;
 };
 
@@ -137,7 +139,7 @@ class RunWatcher {
 struct ProgressBase {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;
-  /// Reports the sums as progress.
+  /// Reports these sums as the progress of the frame; no effect if `progress` is null.
   void report_to(Progress* progress) const {
     if (progress != nullptr) progress->set_tiles_done(tiles, rays, cycles);
   }
@@ -147,8 +149,8 @@ struct ProgressBase {
 /// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: number of tiles that the front end executes. `former`: if the tiles of a frame are passed in several
-  /// rounds, with one RunTiles each: tiles, rays and cycles of the earlier rounds, added to the reported progress.
+  /// `tiles`: number of tiles that the front end executes. `former`: sums of earlier rounds, which are added to the
+  /// reported progress. It is needed if a frame's tiles are passed in several rounds, with one RunTiles each.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}

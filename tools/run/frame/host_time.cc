@@ -126,7 +126,7 @@ double estimate_render_seconds(const Inputs& inputs, const kernels::ProgramSpec&
   if (may_take_minutes(steps * inputs.frames(), {})) {
     try {
       rate = measure_rate(inputs, spec).functional;
-    } catch (const sim::Deadlock&) {  // this work has no machine
+    } catch (const sim::Deadlock&) {  // ignored: this work is not simulated
     }
   }
   return times * steps * rate / host_threads(threads);

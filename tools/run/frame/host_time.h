@@ -43,7 +43,7 @@ double host_seconds_of_frame(double steps, const HostRate& rate, const RunParall
 /// minutes.
 double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& parallelism);
 
-/// Estimates the host seconds to trace and shade the current frame `times` times, without a machine.
+/// Estimates the host seconds to render the current frame `times` times, without simulating a machine.
 double estimate_render_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
                                std::uint32_t threads);
 

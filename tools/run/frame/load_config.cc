@@ -29,7 +29,7 @@
 namespace tools {
 namespace {
 
-/// Keys of a workload file: the work, without the machine.
+/// Top-level keys that a workload file may have: they define the rendered work, not the machine.
 constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
@@ -51,7 +51,8 @@ void check_energy_figures(const RunConfig& config, const std::string& origin) {
       "{}: has no energy figures; allowed: 'extends: sgrt-2016' as its first line, then what differs", origin));
 }
 
-/// Throws InputError with the nearest scene or workload; traces/ does not have the list of workloads.
+/// Throws InputError, with the nearest name, for an unknown scene or workload. traces/ cannot do this, because it has
+/// no list of workloads.
 void check_scene_name(const std::string& name) {
   if (traces::is_scene_file(name) || !traces::scene_file(name).empty()) return;
   std::vector<std::string> names = workload_names();
@@ -248,7 +249,7 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
     add_grade_warning(set, out);
   }
   const bool is_on_grid = options.program.starts_with("multirate") || options.program == "undersample";
-  // one sample is at the pixel's centre with any pattern
+  // the only sample is at the pixel's centre with any pattern
   const bool has_one_sample = options.reference == "full:1";
   if (is_on_grid && !options.reference.empty() && !has_one_sample &&
       config.render.samples != kernels::SamplePattern::kRegular) {
@@ -281,7 +282,7 @@ struct Cache {
   std::string path;
   hw::CacheConfig& cache;
   std::uint64_t hz;
-  std::uint32_t around;  ///< cycles of a hit in addition to the time to read the array
+  std::uint32_t around;  ///< cycles of a hit in addition to the time to read the cache's array
 };
 
 /// Returns the caches whose hit_cycles is `auto`.
@@ -327,7 +328,7 @@ void set_hit_cycles(RunConfig& config) {
   check_names(table);
   for (const Cache& c : automatic_caches(config)) {
     const sim::EnergyCurve& curve = curve_of(table, c.path);
-    if (c.cache.size.bytes == 0) continue;  // check_tree() refuses it
+    if (c.cache.size.bytes == 0) continue;  // check_tree() reports this error
     const double ns = curve.point_at(c.cache.size.bytes).energy_of(&sim::Band::nominal);
     const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kCycleRounding);
     c.cache.hit_cycles.value = std::max(1U, c.around + static_cast<std::uint32_t>(cycles));
@@ -357,7 +358,7 @@ std::vector<std::string> latency_warnings(const RunConfig& config) {
 
 namespace {
 
-/// Returns the report of a rasteriser for a frame that has none, so that table entries of rasterisers remain valid.
+/// Returns the report of an idle rasteriser, so that table entries of rasterisers are valid for frames without one.
 sim::UnitReport absent_rasteriser() {
   sim::UnitReport unit;
   unit.path = hw::name_in_core(hw::RasterUnit::kName, 0);

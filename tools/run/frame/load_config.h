@@ -85,19 +85,18 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
 /// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);
 
-// First step of load_run_config(); ConfigVariants performs the others.
-/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the one of the
-/// file. The result is not checked.
+/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the file's. The
+/// result is not checked. This is the first step of load_run_config(); ConfigVariants performs the others.
 RunConfig load_base_config(const std::string& config, const std::string& scene,
                            const std::vector<std::string>& sets = {});
 
-// Last steps of load_run_config(), for configurations from other sources.
+// The functions below are the last steps of load_run_config(), for configurations from other sources.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
 /// Checks the limits of all keys, the rules between keys, and that there are energy values. `origin`: name of the
 /// configuration in errors.
 void check_run_config(RunConfig& config, const std::string& origin);
 
-/// Applies options to a base configuration repeatedly; the cost is proportional to the changes.
+/// Applies options to a base configuration repeatedly. The cost of a call is proportional to the number of changes.
 class ConfigVariants {
  public:
   /// `origin`: name of the base configuration in errors.
@@ -105,7 +104,8 @@ class ConfigVariants {
   ConfigVariants(const ConfigVariants&) = delete;
   ConfigVariants& operator=(const ConfigVariants&) = delete;
 
-  /// Returns the base with the options applied and checked; valid until the next call. Throws InputError.
+  /// Returns the base configuration with the options applied and checked; the result is valid until the next call.
+  /// Throws InputError.
   const RunConfig& apply(const JobOptions& options);
   /// Returns the configuration made by the last call of apply().
   const RunConfig& config() const { return config_; }

@@ -59,7 +59,7 @@ void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s
 
 namespace {
 
-/// Simulates recorded work on several machines concurrently.
+/// Simulates the recorded work of a frame on several machines concurrently.
 class VariantRuns {
  public:
   VariantRuns(const Inputs& inputs, const kernels::FrameRequirements& requirements, const InMemoryTrace& work,
@@ -117,9 +117,7 @@ class VariantRuns {
   Progress* const progress_;
   std::vector<FrameResult> all_;
   std::mutex mutex_;
-  std::uint32_t tiles_done_ = 0,
-                parts_done_ =
-                    0;  ///< finished tiles of the current part, finished parts; a part has as many tiles as the frame
+  std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished tiles of the current part; finished parts
 };
 
 }  // namespace

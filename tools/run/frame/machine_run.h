@@ -34,7 +34,7 @@ void check_tables(const hw::Gpu& gpu, const RunConfig& config);
 /// Runs the machine until all tiles are done or it is stopped. Throws sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
-/// Returns the energy of the machine so far.
+/// Returns the energy that the machine has used so far.
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
 
 /// Returns the energy of units with these counts after the time `elapsed`.
@@ -59,14 +59,15 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
                                            std::span<const MachineVariant> plays, const char* what,
                                            std::uint32_t threads, Progress* progress);
 
-/// The unperturbed machine of replicates.
+/// The unperturbed simulation of a frame, to which replicates are compared.
 struct UnperturbedRun {
   const FrameResult& result;
   std::shared_ptr<const hw::ScheduledKernels> scheduled;
   std::shared_ptr<const hw::CacheContents> start;  ///< lines in its caches before its first cycle; null: none
 };
 
-/// The same on `count` machines with perturbations 1 to `count`.
+/// Simulates recorded work on `count` machines that differ from `plain` by perturbations 1 to `count`. Returns their
+/// results in order.
 std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                              const InMemoryTrace& work, const UnperturbedRun& plain,
                                              std::uint32_t count, std::uint32_t threads, Progress* progress);

@@ -71,7 +71,7 @@ RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domai
 }
 
 double chip_leakage_mw(const sim::EnergyReport& energy, double ms) {
-  constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
+  constexpr double kPicojoulesPerMicrojoule = 1e6;  // 1 uJ/ms = 1 mW
   double pj = 0;
   for (const ClockDomain& domain : clock_domains()) {
     for (const std::string& block : domain.blocks) {

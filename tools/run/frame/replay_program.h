@@ -18,7 +18,7 @@ namespace tools {
 /// Frame program that reads tiles from a trace file instead of rendering them, so there is no picture.
 class ReplayProgram final : public kernels::FrameProgram {
  public:
-  /// `kernels`: kernels of this build by their number in the trace. All arguments must outlive the object.
+  /// `kernels`: kernels of this build, indexed by their number in the trace. All arguments must outlive the object.
   ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part, const traces::TileScope& scope,
                 std::span<const traces::KernelId> kernels);
 
@@ -44,11 +44,11 @@ class ReplayProgram final : public kernels::FrameProgram {
   std::uint64_t rays_ = 0;
   std::vector<bool> seen_;  ///< tile numbers seen so far
   mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< free cursors
+  mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< cursors that no thread uses
 };
 
-/// Returns the bounds of nodes, triangles and addresses to which the work of a replayed trace may refer; null for other
-/// programs.
+/// Returns the bounds of nodes, triangles and addresses in the work of a replayed trace; null if the program is not a
+/// replay.
 const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 
 /// The recorded work of a frame in memory, encoded as in a trace file: some hundred bytes per sample.

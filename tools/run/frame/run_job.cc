@@ -38,7 +38,7 @@ InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameReq
   return {std::move(scope), inputs.config.limits.memory.bytes, requested_by};
 }
 
-/// Begins the frame's part of the trace, if a trace is recorded.
+/// Begins the part of the trace file for this frame; no effect if no trace is recorded.
 void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const SimulateOptions& extras) {
   if (extras.trace == nullptr) return;
   extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
@@ -63,8 +63,8 @@ struct PreparedProgram {
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
 
-/// Fills the caches with what the previous frame left in them: `extras.caches`, or what the last tiles of `previous`
-/// leave.
+/// Fills the machine's caches with the contents after the previous frame: `extras.caches` if given, otherwise what the
+/// last tiles of `previous` leave.
 void warm_start(hw::Gpu& gpu, kernels::FrameProgram& previous, const traces::Tracer& tracer, std::uint32_t threads,
                 const SimulateOptions& extras) {
   if (extras.caches) return gpu.set_cache_contents(*extras.caches);
@@ -80,7 +80,7 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   return std::max({sides.x, sides.y, sides.z});
 }
 
-/// Simulates recorded work at each of the governor's clocks. `start`: lines in the caches; null: none.
+/// Simulates recorded work at each of the governor's clocks. `start`: contents of the caches at the start; null: empty.
 std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                          const InMemoryTrace& work, const FrameResult& plain,
                                          const std::shared_ptr<const hw::CacheContents>& start, std::uint32_t threads,
@@ -238,7 +238,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   if (extras.itemised) observers.add(&accounting);
   observers.add(extras.observer);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.attached_observer());
-  check_tables(*gpu, inputs.config);  // report missing entries before the work
+  check_tables(*gpu, inputs.config);  // reports missing table entries before the simulation
   const bool is_warm = inputs.config.frame.start == FrameStart::kWarm;
   if (is_warm) warm_start(*gpu, extras.previous != nullptr ? *extras.previous : frame, tracer, threads, extras);
   std::shared_ptr<const hw::CacheContents> start;

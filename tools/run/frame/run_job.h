@@ -88,7 +88,7 @@ struct SampledFrame {
   Interval cycles, energy_pj;
   /// Counters summed over units of the same kind, by path; empty if all tiles were simulated.
   std::map<std::string, Interval> counters;
-  double pilot_seconds = 0, warming_seconds = 0;  ///< host
+  double pilot_seconds = 0, warming_seconds = 0;  ///< host seconds
   void add(const SampledFrame& other);
 };
 
@@ -96,8 +96,8 @@ struct SampledFrame {
 /// slices.
 struct SlicedFrame {
   std::uint32_t slices = 1;
-  std::uint64_t tiles = 0, again = 0,
-                warmed = 0;  ///< all tiles; tiles simulated again to fill a machine; tiles that warm its caches
+  /// Number of all tiles; of tiles that are simulated again to fill a machine; of tiles that warm its caches.
+  std::uint64_t tiles = 0, again = 0, warmed = 0;
   Interval cycles, energy_pj;
   std::vector<double> seconds;  ///< host CPU seconds of each slice's thread
   double timing_seconds = 0;    ///< host CPU seconds of all slices, without the execution of tiles
@@ -117,16 +117,17 @@ struct FrameResult {
   std::uint64_t cycles = 0;  ///< T&I clock cycles
   sim::Time elapsed = 0;
   double wall_seconds = 0;  ///< host time of rendering and simulation together
-  std::uint32_t tiles = 0,
-                finished_tiles = 0;     ///< tiles of the last frame; all are finished unless SimulateOptions::keep_part
+  /// Tiles of the last frame; all are finished unless SimulateOptions::keep_part kept a part.
+  std::uint32_t tiles = 0, finished_tiles = 0;
   std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
   std::optional<SlicedFrame> sliced;    ///< set if slices were requested
   std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
-  std::vector<SustainStep> sustained;   ///< the same work at the governor's clocks, with thermal.minutes
+  std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
   double replicate_seconds = 0;         ///< host time of the replicates
-  std::vector<hw::TileAccount> tile_accounts;       ///< with SimulateOptions::itemised: one per entry of the tile list
-  std::shared_ptr<const hw::CacheContents> caches;  ///< at the end of a whole frame, with frame.start warm
-  hw::TileAccount rest;                             ///< with SimulateOptions::itemised: activity that no tile requested
+  std::vector<hw::TileAccount> tile_accounts;  ///< activity of each entry of the tile list, if itemised
+  /// Contents of the caches after a whole frame, with frame.start warm.
+  std::shared_ptr<const hw::CacheContents> caches;
+  hw::TileAccount rest;  ///< activity that no tile requested, if itemised
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture remains that of the first frame.
@@ -141,35 +142,37 @@ kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec
 
 /// Options of simulate_frame() and render_frame().
 struct SimulateOptions {
-  kernels::RateMap* rates = nullptr;  ///< tile rates carried from frame to frame, if any
+  kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
   bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
   bool keep_part = false;             ///< an interrupt keeps the finished tiles, if any
   Progress* progress = nullptr;
-  traces::TraceWriter* trace = nullptr;  ///< receives the frame's work
-  bool reference = false;  ///< this is the reference: its own part of the trace, rendered with reference_render()
-  sim::Intervals* intervals = nullptr;                ///< receives the machine's counters over time
-  RunWatcher* watcher = nullptr;                      ///< receives the frame during the simulation
-  std::uint32_t replicates = 1;                       ///< number of simulations; all but the first are perturbed
-  const char* requested_by = "--replicates";          ///< option or verb to name if memory runs out
-  bool itemised = false;                              ///< keep the costs of each tile and pixel
-  hw::Observer* observer = nullptr;                   ///< observer of the machine
-  std::shared_ptr<const hw::CacheContents> caches{};  ///< at the end of the previous frame, for frame.start warm
-  kernels::FrameProgram* previous =
-      nullptr;  ///< the previous frame, if it has several passes and there are no `caches`
+  traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
+  /// True: this is the reference: it has its own part of the trace and is rendered with reference_render().
+  bool reference = false;
+  sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time; null: not recorded
+  RunWatcher* watcher = nullptr;              ///< receives pictures of the frame during the simulation; null: none
+  std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed
+  const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
+  bool itemised = false;                      ///< keep the costs of each tile and pixel
+  hw::Observer* observer = nullptr;           ///< observer of the machine; null: none
+  /// Contents of the caches after the previous frame, for frame.start warm.
+  std::shared_ptr<const hw::CacheContents> caches{};
+  /// Program whose last tiles warm the caches if `caches` is null; null: the simulated program itself.
+  kernels::FrameProgram* previous = nullptr;
 };
 
 /// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are
-/// empty at the start of the frame, or with frame.start warm as the previous frame left them: `extras.caches`, or what
-/// the last tiles of this frame leave. An interrupted run that keeps a part has no replicates. sim::Deadlock;
-/// Interrupted if nothing is kept.
+/// empty at the start of the frame. With frame.start warm they contain what the previous frame left (`extras.caches`),
+/// or what the last tiles of this frame leave. An interrupted run that keeps a part has no replicates. Throws
+/// sim::Deadlock, and Interrupted if nothing is kept.
 FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                            const SimulateOptions& extras = {});
 
 /// The recorded work of the current frame, for several machines.
 class RecordedFrame {
  public:
-  /// Renders the frame. `inputs` must outlive the object. InputError, which names `requested_by`, if memory runs out;
-  /// Interrupted.
+  /// Renders the frame. `inputs` must outlive the object. Throws InputError, which names `requested_by`, if memory runs
+  /// out, and Interrupted.
   RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& program, const char* requested_by,
                 std::uint32_t threads, Progress* progress = nullptr);
   ~RecordedFrame();
@@ -177,8 +180,8 @@ class RecordedFrame {
   RecordedFrame& operator=(const RecordedFrame&) = delete;
 
   /// Simulates the frame on the machine of each configuration, `threads` at a time. The configurations may differ from
-  /// `inputs` only in keys that do not change the work. Returns results in order, without pictures. sim::Deadlock,
-  /// Interrupted.
+  /// `inputs` only in keys that do not change the work. Returns results in order, without pictures. Throws
+  /// sim::Deadlock, Interrupted.
   std::vector<FrameResult> simulate(std::span<const RunConfig> configs) const;
 
  private:
@@ -189,7 +192,8 @@ class RecordedFrame {
   std::unique_ptr<Work> work_;
 };
 
-/// Simulates the tiles of a given frame program with a given tracer; simulate_frame() does this after it has made both.
+/// Simulates the tiles of a prepared frame program. simulate_frame() calls it after it has made the program and the
+/// tracer.
 FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
                              const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras = {});
 
@@ -197,7 +201,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
 RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                           std::uint32_t threads, const SimulateOptions& extras = {});
 
-/// Returns `wanted`, or the number of threads of the host if `wanted` is 0.
+/// Returns `wanted`, or the number of hardware threads of the host if `wanted` is 0.
 std::uint32_t host_threads(std::uint32_t wanted);
 
 }  // namespace tools

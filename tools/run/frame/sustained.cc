@@ -19,15 +19,15 @@ namespace {
 
 constexpr double kPicojoulesPerJoule = 1e12;
 constexpr double kMilliwattsPerWatt = 1e3;
-/// Maximum number of frames of a run, so that it ends within minutes.
+/// Maximum number of frames of a sustained run, so that it ends within minutes.
 constexpr double kMostSustainedFrames = 1e9;
-/// Tolerance for rounding in sums of frames' times.
+/// Relative tolerance for rounding in sums of frame times.
 constexpr double kTimeRounding = 1e-9;
 
-/// True if a sum of frames' times reaches `end` within rounding.
+/// True if a sum of frame times reaches `end`, within rounding.
 bool has_reached(double seconds, double end) { return seconds >= end * (1 - kTimeRounding); }
 
-/// Computes means over the current loop.
+/// Computes means over the current loop of a sustained run.
 class LoopMean {
  public:
   void add(double seconds, double joules, double factor, bool is_frame) {
@@ -48,7 +48,7 @@ class LoopMean {
   double seconds_ = 0, joules_ = 0, weighted_factor_ = 0, least_factor_ = 1, frames_ = 0;
 };
 
-/// A device in which a sequence of frames runs at the governor's clocks.
+/// Simulates a device in which a sequence of frames repeats at the governor's clocks.
 class Device {
  public:
   Device(const std::vector<SustainStep>& steps, const SustainSetup& setup)
@@ -64,7 +64,7 @@ class Device {
     }
   }
 
-  /// Runs frame `number` of the repeated sequence. Returns true when the run's time is over.
+  /// Runs frame `number` of the repeated sequence. Returns true when the duration of the run is over.
   bool run_frame(std::size_t number) {
     const std::size_t step = governor_.step(), index = number % steps_[step].frames.size();
     const SustainFrame& frame = steps_[step].frames[index];
@@ -107,7 +107,7 @@ class Device {
   const std::vector<SustainStep>& steps_;
   const SustainSetup& setup_;
   const sim::ThermalNetwork network_;
-  /// Thermal decay during each frame, by step and frame.
+  /// Decay of temperatures during each frame, by clock step and frame.
   std::vector<std::vector<sim::ThermalNetwork::Decay>> decays_;
   ThermalGovernor governor_;
   sim::Temperatures now_;

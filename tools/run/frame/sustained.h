@@ -20,10 +20,10 @@ struct SustainFrame {
   double memory_j = 0;
 };
 
-/// Converts time and energy of a simulated frame.
+/// Returns the time and energies of a simulated frame, in the form that sustain() needs.
 SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed);
 
-/// A clock that the governor may choose.
+/// A clock that the governor may choose, and the frames at this clock.
 struct SustainStep {
   double factor = 1;                 ///< clock divided by the configured clock
   std::vector<SustainFrame> frames;  ///< the frames of the sequence, which repeats, at this clock
@@ -32,13 +32,14 @@ struct SustainStep {
 /// Device, governor and duration of a sustained run.
 struct SustainSetup {
   sim::ThermalConfig thermal;
-  /// Temperature in C at which SustainFrame::leakage_w holds; increase in K that doubles leakage.
+  /// Temperature in C at which SustainFrame::leakage_w holds, and rise in K that doubles leakage.
   double leakage_temperature = 75, leakage_doubling = 25;
-  double idle_leakage = 0, idle_memory_w = 0;  ///< between frames
+  /// Between frames: share of the leakage that remains, power of the memory.
+  double idle_leakage = 0, idle_memory_w = 0;
   double seconds = 600, loop = 60, fps = 0;
 };
 
-/// Returns the setup that a configuration describes: `seconds` from thermal.minutes, `loop` one minute.
+/// Returns the setup that a configuration describes. `seconds` is thermal.minutes; `loop` is at most one minute.
 SustainSetup sustain_setup(const RunConfig& config);
 
 /// Results of one loop of a sustained run: means over the loop, and temperatures at its end.

@@ -5,8 +5,8 @@
 
 namespace tools {
 
-/// Steps a chip's clock down before the body passes its limit or while the die is above its own, and up again below
-/// both.
+/// Thermal governor of a device: lowers the clock of the chip in steps when die or body become too hot, and raises it
+/// again when both have cooled.
 ///
 /// The body's temperature is extrapolated over `lookahead`, at its rate since the last decision.
 /// 1. The die is above its limit and has not cooled since, or the body would pass its limit: one step slower.

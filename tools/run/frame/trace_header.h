@@ -25,8 +25,7 @@ RenderResult parse_recorded_result(const traces::Json& json);
 void check_header(const traces::Json& header);
 
 /// Returns the configuration of a replay: the trace's own, or the one named in `options` with the trace's settings of
-/// the work. After that --set and --ideal are applied. Throws InputError for a field that would change the recorded
-/// work.
+/// the work. Then --set and --ideal are applied. Throws InputError for a field that would change the recorded work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
 
 /// Throws InputError, which names the first field of `config` that would change the recorded work, if there is one.

@@ -31,13 +31,13 @@ class UncommittedTiles final : public kernels::FrameProgram {
 
 bool has_one_pass(const kernels::FrameProgram& frame) { return frame.pass_end(0) == frame.tiles(); }
 
-/// Tiles of the first attempt to fill the caches, and the factor of each further one.
+/// Number of tiles in the first attempt to fill the caches, and factor by which each further attempt has more tiles.
 constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
-/// Fills of the L2 over the lines of all shared caches after which earlier lines are gone.
+/// Fills of the L2 per line of all shared caches after which the lines of earlier tiles are assumed to be evicted.
 constexpr std::uint64_t kFillsPerLine = 2;
 
-/// Warms caches with the tiles of a front end from entry `first` on. Tiles go to cores round robin. Returns the number
-/// of lines put into the L2.
+/// Warms the machine's caches with the tiles of a front end, from entry `first` on. Tiles are assigned to cores round
+/// robin. Returns the number of lines filled into the L2.
 std::uint64_t warm_from(hw::Gpu& gpu, FrontEnd& front_end, std::uint32_t first) {
   std::uint64_t filled = 0;
   std::uint32_t core = 0, index = 0;

@@ -7,9 +7,9 @@
 
 namespace tools {
 
-/// Warms the caches of a machine, before its first cycle, with the last tiles of `frame`, a view like the one that the
-/// machine will play. A frame of several passes is executed as a whole and must not have been executed before.
-/// `workers`: threads besides the caller's. Throws Interrupted.
+/// Warms the caches of a machine, before its first cycle, with the last tiles of `frame`, as if it were the previous
+/// frame. A frame of several passes is executed as a whole and must not have been executed before. `workers`: threads
+/// in addition to the caller's. Throws Interrupted.
 void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const traces::Tracer& tracer,
                           std::uint32_t workers);
 
