@@ -61,7 +61,6 @@ struct PriceTable {
 ///
 ///   report.json: config ──► units: energy event of each counter ──► formula x table ──► joules
 ///                units  ──► counts ─────────────────────────────┘
-///                units  ──► counts ──────────────────────────────────────┘
 class PricedRun {
  public:
   /// Throws InputError if the report has no counts or `table` does not fit the machine. It also throws if the counts do
