@@ -20,8 +20,7 @@ float srgb_encoded(float linear);
 /// Encodes linear RGB as sRGB with 8 bits per channel.
 std::vector<std::uint8_t> to_rgb8(std::span<const float> linear);
 
-/// Returns the absolute difference of two linear pictures' sRGB values, times kShownDifference, with 8 bits per
-/// channel.
+/// Returns kShownDifference times the absolute difference of two linear pictures' sRGB values, 8 bits per channel.
 std::vector<std::uint8_t> difference_rgb8(std::span<const float> a, std::span<const float> b);
 inline constexpr float kShownDifference = 8;
 

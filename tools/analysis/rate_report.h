@@ -17,8 +17,7 @@ sim::Json frame_rate_json(const FrameRate& rate);
 
 /// Returns one line on the target frame rate: "60 frames/s met, 3.1 ms to spare, 0.81 W; between frames 95 mW".
 std::string frame_rate_text(const sim::Json& totals);
-/// Returns one line on the slowest clocks that meet the target rate and on those with the least power. Without voltage
-/// curves, or if the rate is not met, it states the needed clock factor or is empty.
+/// Returns one line on the clocks that meet the target rate: the slowest, and those with the least power; may be empty.
 std::string operating_points_text(const sim::Json& totals);
 
 }  // namespace tools

@@ -210,8 +210,7 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
   return out;
 }
 
-/// Returns the statistics of a metric over a report's replicates; nullopt without replicates. `metric`: e.g.
-/// "energy_mj.nominal".
+/// Returns the statistics of a metric ("energy_mj.nominal") over a report's replicates; nullopt without replicates.
 std::optional<Draws> draws_in(const ReportFile& report, const std::string& metric) {
   const std::string at = "totals.replicates.figures." + metric;
   if (!report.has(at + ".mean")) return std::nullopt;
@@ -349,8 +348,7 @@ Json rays_json(const FrameResult& run) {
           {"continued", run.rendered.continued}};
 }
 
-/// Returns DRAM bytes by purpose: cache lines, picture, spilled ray slots and, where used, samples and rates; both
-/// directions.
+/// Returns DRAM bytes of both directions by purpose: cache lines, picture, spilled ray slots, samples and rates.
 Json dram_clients_json(const FrameResult& run) {
   constexpr std::uint64_t kLine = 64;
   using Dma = hw::Dma::Stats;

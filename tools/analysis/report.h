@@ -30,13 +30,12 @@ struct ReportInput {
   const Inputs& inputs;
   const JobOptions& options;
   const ComparedResult& result;
-  const sim::Json& frames;  ///< one entry per frame
+  const sim::Json& frames;  ///< report of each frame
   bool partial = false;     ///< true if interrupted before the last frame
   double wall_seconds = 0;  ///< host time of the whole job
 };
 
-/// Returns report.json, schema raywatt-report/1. Everything except `host` and `provenance.argv` depends only on the
-/// inputs.
+/// Returns report.json, schema raywatt-report/1. Only `host` and `provenance.argv` depend on more than the inputs.
 sim::Json report_json(const ReportInput& report);
 
 /// Returns the origin of the result: program, configuration, scene, command line.
@@ -48,11 +47,10 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns, for each tile, the share of its checked samples that were similar, and the side of its sample blocks. Tiles
-/// are listed row by row.
+/// Returns, row by row, the share of each tile's checked samples that were similar, and the side of its sample blocks.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
-/// Work of a run by which its energy is divided.
+/// Time, rays and frames of a run, by which efficiency figures divide its energy.
 struct WorkDone {
   double time_ms = 0, rays = 0, frames = 0;
 };
@@ -69,12 +67,10 @@ std::vector<std::string> run_warnings(const RunConfig& config, std::span<const s
 /// Purposes of kernels whose time papers report separately. Checks include the compaction of results into streams.
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
-/// Returns the share of the shader cores' busy cycles that kernels of a group take; nullopt if the cores were never
-/// busy.
+/// Returns the share of the shader cores' busy cycles spent in kernels of a group; nullopt if they were never busy.
 std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
 
-/// Returns the share of time in which a core's T&I unit has no rays while its shader core (SRP) runs checks or
-/// interpolation.
+/// Returns the share of time in which a core's T&I unit has no rays while its shader core runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& run);
 
 /// Returns the simulated time of a run in milliseconds.

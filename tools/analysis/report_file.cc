@@ -30,8 +30,7 @@ std::string schema_of(const Json& json) {
 
 constexpr int kDeepest = 32;
 
-/// Adds all values of a configuration below `node` to `out`, by full key. A value with a band (low, nominal, high) is
-/// one entry.
+/// Adds all values of a configuration below `node` to `out`, by full key. A band (low, nominal, high) is one value.
 void flatten_config(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
     out[sim::printable(key)] = sim::printable(sim::json_line(node));
@@ -127,8 +126,7 @@ void collect_numbers(const Json& node, const std::string& path, int depth, Numbe
   }
 }
 
-/// Returns the kind of a unit from its name: without the number if siblings are numbered from 0 ("core3" -> "core";
-/// "l2" is unchanged).
+/// Returns the kind of a unit: its name without its number, if siblings are numbered from 0 ("core3" -> "core").
 std::string kind_of(const std::string& name, const Json& siblings) {
   const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;

@@ -44,8 +44,8 @@ double safe_ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) /
 /// Mean latencies of L2 and memory in ns, and causes of queues in the L2.
 struct MemoryLatencies {
   double l2 = 0;            ///< time from the arrival of a read at the L2 to the departure of its line
-  double dram = 0;          ///< part of `l2` that waits for memory
-  double blocked_bank = 0;  ///< part of `l2` that waits for an MSHR or for room on the way to memory
+  double dram = 0;          ///< part of the L2's read latency that waits for memory
+  double blocked_bank = 0;  ///< part of the L2's read latency that waits for an MSHR or for room on the way to memory
   double port_blocked = 0;  ///< share of the queues in front of the L2 that wait for an MSHR or for memory, 0 to 1
   double wires = 0;         ///< latency of a request and its line between core and L2, without queues
   double ideal_wires = 0;   ///< latency of a request and its line with an ideal interconnect, without queues
@@ -57,8 +57,7 @@ double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.
 
 MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   using OfBank = hw::L2Bank::CycleReason;
-  // chosen: if banks are blocked for this share of time, all queues at the ports are charged to the L2
-  constexpr double kOftenBlocked = 0.05;
+  constexpr double kOftenBlocked = 0.05;  // chosen: from this share of time on, all port queues are charged to it
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
   const std::uint64_t reads = banks.counted(&L2Stats::reads);
@@ -125,8 +124,7 @@ double rays_waiting(const Units<Unit>& units) {
          safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
-/// Sets the demands on memory: shares of the DMA and of spilled ray slots in memory traffic, DRAM utilisation and
-/// queues.
+/// Sets the demands on memory: traffic shares of the DMA and of spilled ray slots, DRAM utilisation and queues.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
                  const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
@@ -192,8 +190,7 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLa
 
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
-  // number of rays that wait for lines at once in an ideal traversal unit (hw::IdealConfig)
-  constexpr double kIdealRays = 64;
+  constexpr double kIdealRays = 64;  // rays that wait for lines at once in an ideal traversal unit (hw::IdealConfig)
   const std::string core = hw::name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
@@ -233,8 +230,8 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait =
       l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // Returns the ns of a lookup in a cache with cycle time `ns`, plus the synchronisers in both directions if its clock
-  // is not the L2's.
+  // Returns the ns of a lookup in a cache of cycle time `ns`, with synchronisers in both directions if the L2's
+  // differs.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels =
       split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
@@ -246,8 +243,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   return t;
 }
 
-/// A cause in the breakdown of a core's time: its name in reports, its description, its share and, for misses, the
-/// levels.
+/// A cause in the breakdown of a core's time: name in reports, description, share and, for misses, memory levels.
 struct TimePart {
   std::string_view name;
   const char* words;

@@ -15,9 +15,9 @@ namespace tools {
 
 /// Mean latency of a first-level cache miss by level, as shares that sum to 1 (all 0 without misses).
 struct MissLevels {
-  double interconnect = 0;  ///< ports, wires, and queues before them
-  double l2 = 0;            ///< queues and lookups of the L2
-  double dram = 0;          ///< time from an L2 miss to its fill: controller, device and fabric
+  double interconnect = 0;  ///< share of the ports and wires, and of queues before them
+  double l2 = 0;            ///< share of queues and lookups in the L2
+  double dram = 0;          ///< share of the time from an L2 miss to its fill: controller, device and fabric
   // Parts of `interconnect` and `l2`:
   /// Part of `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
   double wires = 0;
@@ -98,7 +98,7 @@ struct TimeInCycles {
   double cycles = 0;
 };
 struct GrownPart {
-  std::string name;   ///< name of the part, as in top_down_text()
+  std::string name;   ///< name of the part of a core's time, as in top_down_text()
   double cycles = 0;  ///< growth of this part in cycles, mean over the cores
 };
 /// Returns the part of a core's time whose cycles grew most from `before` to `after`; empty if none grew.

@@ -16,7 +16,7 @@
 
 namespace tools {
 
-/// Returns the name of a counter in reports. `counter`: a pointer to a member of `Stats`, or a function from Stats to a
+/// Returns a counter's name in reports. `counter`: pointer to a member of `Stats`, or a function from Stats to a
 /// member.
 template <class Stats>
 std::string_view counter_name(auto&& counter) {

@@ -225,8 +225,7 @@ std::string next_word_lines(const std::vector<DeclaredVerb>& verbs) {
 /// Joins configuration keys into one text for the shell, each followed by an equals sign.
 std::string keys_with_equals(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
-/// Returns shell lines that set `keys` to the keys of --set and, after "key=", `choices` to the allowed values of that
-/// key.
+/// Returns shell lines that set `keys` to the keys of --set and, after "key=", `choices` to that key's allowed values.
 std::string set_option_lines() {
   const SetKeys keys = set_keys();
   std::string values;

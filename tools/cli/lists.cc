@@ -37,8 +37,7 @@
 namespace tools {
 namespace {
 
-/// Returns one line that describes a configuration file: its `question`, or the first sentence of the comment at its
-/// start.
+/// Returns one line on a configuration file: its `question`, or the first sentence of the comment at its start.
 std::string description_line(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";

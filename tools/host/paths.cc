@@ -94,8 +94,7 @@ void check_no_scene(const std::string& argument) {
                                     sim::printable(argument), is_workload ? "workload" : "scene"));
 }
 
-/// Returns ", did you mean 'sgrt-2016'?" for an unknown configuration name, or suggests a scene with a more similar
-/// name.
+/// Returns ", did you mean 'sgrt-2016'?" for an unknown configuration; suggests a scene if its name is nearer.
 std::string suggest_name(const std::string& argument, const std::vector<std::string>& configs) {
   std::vector<std::string> scenes = workload_names();
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);

@@ -51,7 +51,7 @@ struct ProgressState {
 
   double done_share() const;  ///< finished share of the job, 0 to 1
   double rays_per_s() const;
-  double seconds_left() const;  ///< negative if unknown
+  double seconds_left() const;  ///< estimated seconds until the end of the job; negative if unknown
 };
 
 /// Returns the progress as one line for a terminal with this many columns.
@@ -118,7 +118,7 @@ class Progress {
   std::mutex mutex_;
   std::condition_variable news_;
   ProgressState state_;
-  std::uint64_t rays_before_ = 0, cycles_before_ = 0;  ///< sums over finished parts
+  std::uint64_t rays_before_ = 0, cycles_before_ = 0;  ///< rays and cycles of finished parts
   bool bar_is_there_ = false, ended_ = false;
   std::thread thread_;
 };

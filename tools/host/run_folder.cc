@@ -37,7 +37,7 @@ fs::path dated_folder() {
   return folder;
 }
 
-constexpr std::streamsize kLongestStart = 1 << 20;  ///< bytes of a report that contain its command line
+constexpr std::streamsize kLongestStart = 1 << 20;  ///< size of a report's beginning that contains its command line
 
 /// Returns the first bytes of a result file; empty if there is none or another program wrote it.
 std::string read_first_bytes(const fs::path& folder, std::string_view name) {

@@ -33,8 +33,7 @@ namespace {
 
 constexpr std::string_view kMagic = "raywatt-intervals/1\n", kKind = "raywatt-intervals/";
 constexpr std::uint64_t kMostUnits = 1U << 16, kMostNames = 1U << 10, kLongestName = 256;
-/// Limits of an interval file, over all its frames.
-constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;
+constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< limits of an interval file
 /// Zstd compression level; compared with level 1: a third of the instructions, files 1.5 times as large.
 constexpr int kLevel = -20;
 constexpr std::uint64_t kMostNamesBytes = 1U << 26, kLongestVarint = 10;

@@ -110,9 +110,9 @@ class RunIntervals {
 
 /// A figure of a frame over time, such as a power or a hit rate.
 struct IntervalSeries {
-  std::string group;  ///< "power", "bandwidth", "hit_rate", "utilisation", "stack.tni", ...: one chart each
-  std::string name;   ///< "tni", "dram_read", "l1_miss"
-  std::string unit;   ///< "W", "GB/s", "%"
+  std::string group;  ///< group, shown in one chart: "power", "bandwidth", "hit_rate", "utilisation", "stack.tni", ...
+  std::string name;   ///< name within the group: "tni", "dram_read", "l1_miss"
+  std::string unit;   ///< unit of the values: "W", "GB/s", "%"
   /// One value per interval; NaN for a hit rate of an interval without accesses.
   std::vector<double> values;
 };

@@ -73,8 +73,7 @@ MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
 
 namespace {
 
-// Prevents promotion to long double, which is initialised at program start and fails under profilers that use 64-bit
-// floating point.
+// No long double: it is initialised at program start, and fails under profilers with 64-bit floating point.
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using Student = boost::math::students_t_distribution<double, Policy>;
 

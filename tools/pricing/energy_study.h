@@ -20,9 +20,8 @@ struct EnergyMetric {
   bool inverse = false;  ///< true: the figure is divided by energy, like frames per joule
   bool is_better(double a, double b) const { return inverse ? a > b : a < b; }
 };
-/// Returns how the figure at a report path depends on energy; nullopt if it is not proportional to energy or its
-/// inverse. Examples: "totals.energy_mj.nominal", "totals.energy_by_block_mj.tni.nominal",
-/// "totals.power_at_fps_w.nominal".
+/// Returns how the figure at a report path depends on energy: for "totals.energy_mj.nominal", other energies and
+/// powers, and figures of totals.perf that contain joules. Returns nullopt for other paths.
 std::optional<EnergyMetric> energy_metric(std::string_view path);
 /// List of the figures that energy_metric() accepts, for error messages.
 inline constexpr std::string_view kEnergyMetrics =

@@ -97,8 +97,7 @@ double EnergyDraw::quantile_of(const EnergyEntry& entry) const {
 namespace {
 
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
-/// Relative tolerance between reported and recomputed sums, because sums over frames are rounded differently from sums
-/// over counts.
+/// Relative tolerance between reported and recomputed energy, because their sums are rounded differently.
 constexpr double kSumRounding = 1e-9;
 
 /// Throws InputError unless a file given as energy table is a whole one, with energy keys only.

@@ -13,10 +13,9 @@
 
 namespace tools {
 
-/// An entry of the energy tables: a figure, or a curve of figures over size. It refers to the values in a
-/// configuration.
+/// An entry of the energy tables in a configuration: a figure, or a curve of figures over size.
 struct EnergyEntry {
-  std::string name;  ///< "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
+  std::string name;  ///< name of the entry: "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
   std::string meaning;  ///< meaning of its configuration key
   std::uint64_t hash = 0;

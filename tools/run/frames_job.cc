@@ -234,8 +234,7 @@ class LiveRun final : public View, public RunWatcher {
   sim::Time begin_ = 0, end_ = 0;
 };
 
-/// Simulates the frames with run(). Throws Interrupted if an interrupt left fewer than `frames_to_replace` finished
-/// frames.
+/// Simulates the frames. Throws Interrupted if an interrupt left fewer than `frames_to_replace` finished frames.
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
                            Progress& progress) {
   const HoldInterrupts hold;  // because results exist before their folder does

@@ -23,8 +23,7 @@ int verify_rays(const JobOptions& options);
 
 /// Writes the work of frames to a trace, without simulating a machine.
 void record_trace(const JobOptions& options, const std::filesystem::path& file);
-/// Simulates a trace on the machine that the options configure, or on the recorded machine if they name no
-/// configuration.
+/// Simulates a trace on the machine in the options, or on the recorded machine if they name no configuration.
 void replay_trace(const JobOptions& options, const std::filesystem::path& file);
 
 /// The rays of a ray file (--rays).

@@ -26,8 +26,7 @@ struct Whole {
   bool debug_images = false;
 };
 
-/// Mode of a run in which a frame's tiles are split into slices, simulated concurrently on separate machines
-/// (docs/slices.md).
+/// Mode of a run in which slices of a frame are simulated concurrently, each on its own machine (docs/slices.md).
 struct Sliced {
   std::uint32_t slices = 1;  ///< slices per frame; kAutoSlices: chosen automatically
 };
@@ -68,9 +67,8 @@ struct RunResult {
   std::string kept_text(std::size_t all) const;
 };
 
-/// Returns the number of finished frames that an interrupted run needs so that it may replace an earlier result. It is
-/// the number of frames of a partial result, one more than that of a complete one, or 1 if there is none. `file`:
-/// report.json or verify.json.
+/// Returns the number of finished frames with which an interrupted run may replace an earlier result: that of a partial
+/// result, one more than that of a complete one, or 1 if there is none. `file`: report.json or verify.json.
 std::size_t frames_to_replace(const std::filesystem::path& file);
 
 /// Prints the `warnings` of a report to stderr, except the first `already_printed`, which were printed before.

@@ -94,7 +94,7 @@ class Verification {
 
 /// Estimates the host seconds to load the scene and verify all frames.
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
-  constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
+  constexpr double kTimes = 2;  // chosen; rays are traced once by this program and twice by Embree
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);
   return inputs.load_seconds + estimate_render_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
 }

@@ -61,9 +61,8 @@ RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kern
 
 inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
-/// Predicts the traits of tiles from thin tiles, which contain one of every `thinning` samples and are passed in frame
-/// order. Caches are modelled as tags that are filled without delay. Tiles are assigned to cores, and rays to traversal
-/// units, round robin.
+/// Predicts the traits of tiles from thin tiles, with one of every `thinning` samples, in frame order. Caches are
+/// modelled as tags that fill at once. Tiles are assigned to cores, and rays to traversal units, round robin.
 class TilePilot {
  public:
   /// `slots`: number of ray slots in a core's tile buffer that one tile can use.

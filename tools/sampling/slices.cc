@@ -206,8 +206,7 @@ struct SlicedProgram {
   const std::vector<Slice> plan;
 };
 
-/// Half-width of the error at a border between slices that probes cannot measure, in times or energies of a tile
-/// (docs/slices.md).
+/// Error at a border between slices that probes cannot measure: half-width, in tile times or energies (docs/slices.md).
 constexpr double kBorderError = 4;
 
 /// Work that a machine has done, in quantities that rendering counts, too: traversal steps and rays.

@@ -123,8 +123,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   return run;
 }
 
-/// Returns the weighted sum of time and counters of the measured parts. Counters of peaks are set to the maximum over
-/// the simulated parts.
+/// Returns the weighted sum of the measured parts' times and counters; peaks are the maximum of the simulated parts.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run) {
   const auto sum = [&](auto&& of) {

@@ -67,7 +67,7 @@ class TimedTiles final : public hw::TileSource {
   const std::vector<std::uint32_t> marked_;
   const std::optional<std::uint32_t> stop_at_;
   hw::Gpu* gpu_ = nullptr;
-  std::size_t block_ = 0;                             ///< current block of next()
+  std::size_t block_ = 0;                             ///< block from which next() takes tiles
   std::vector<const traces::TileWork*> for_warming_;  ///< warming tiles of the next block
   std::vector<std::uint32_t> waiting_;  ///< tiles that next() returned and that are not dispatched; at most one
   std::size_t dispatched_block_ = 0;    ///< block of the tile dispatched last

@@ -62,8 +62,7 @@ Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed
 
 namespace {
 
-/// Kinds of work by which energy is shared. From kOperations on: the counters of a shader core that depend on its
-/// kernels.
+/// Kinds of work by which energy is shared. From kOperations on: counters of a shader core that depend on its kernels.
 enum Kind : std::size_t {
   kRays,
   kVisits,
@@ -193,8 +192,8 @@ class TileWeights {
   std::size_t kind_count() const { return kinds_; }
   double tile_weight(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double weight_without_tile(std::size_t kind) const { return rest_[kind]; }
-  /// Returns the total weight of a kind of work over the tiles of a core. Without a core: over all tiles and requests
-  /// without a tile.
+  /// Returns a kind's total weight over the tiles of a core; without a core, over all tiles and requests without a
+  /// tile.
   double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
     double all = core ? 0 : rest_[kind];
     for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {

@@ -246,8 +246,7 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns a rank for each slice: the position in the selection of the first tile during which it occurs, or
-/// kNotWanted.
+/// Returns for each slice the position in the selection of the first tile during which it occurs, or kNotWanted.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
@@ -333,8 +332,7 @@ class SliceWriter {
   const TileFrame& tiles_;
 };
 
-/// Returns the indices of the selected slices by rank and time. If space in the file runs out, the first ones have
-/// priority.
+/// Returns the indices of the selected slices by rank and time; the first ones have priority for space in the file.
 std::vector<std::size_t> order_by_rank(const std::vector<RecordedSlice>& slices,
                                        const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
@@ -357,8 +355,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   TimelineTracks tracks(config.gpu->cores);
   TracePackets counters;
   write_counters(recorder, s, tiles, config, tracks, counters);
-  // Space for texts, for tracks of ray batches that are not known yet, and for the part of the last slice beyond the
-  // limit.
+  // Space for texts, for tracks of ray batches not known yet, and for the part of the last slice beyond the limit.
   constexpr std::uint64_t kSetAside = std::uint64_t{1} << 20;
   const SliceWriter writer(s, tiles);
   TracePackets scratch;

@@ -187,8 +187,7 @@ enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 1
 /// Tracks of a timeline: a process for each core, and one shared by all.
 class TimelineTracks {
  public:
-  /// Id with the longest encoding, to estimate the size of packets.
-  static constexpr std::uint64_t kLongestId = 0xffffffff;
+  static constexpr std::uint64_t kLongestId = 0xffffffff;  ///< id with the longest encoding
 
   explicit TimelineTracks(std::uint32_t cores) : cores_(cores) {}
 
@@ -222,8 +221,7 @@ class TimelineTracks {
     lane->free_at = slice.end;
     return lane->id;
   }
-  /// Adds a counter to the process shared by all cores and returns its track; core_counter() adds it to the process of
-  /// a core.
+  /// Adds a counter to the process shared by all cores, or with core_counter() to a core's. Returns its track.
   std::uint64_t shared_counter(const std::string& name, const std::string& unit) {
     return new_track(shared_process(), name, kOfCounters, unit);
   }

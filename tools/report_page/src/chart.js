@@ -1,5 +1,4 @@
-// Vega-Lite charts. Vega interprets their expressions, because the page's security policy does not allow generated
-// code.
+// Vega-Lite charts. Vega interprets expressions, because the page's security policy does not allow generated code.
 import { h } from "./dom.js";
 import { frame } from "./block.js";
 import { records, saveSpec } from "./files.js";

@@ -1,5 +1,4 @@
-// Views of two or more runs, each compared with the first, from the output of raywatt compare (schema
-// raywatt-compare/1).
+// Views of two or more runs, each compared with the first, from raywatt compare (schema raywatt-compare/1).
 import { digits, short } from "./format.js";
 import { at, chart, dataset, headline, itemsAt, newView, numberAt, printable, section, table, text, textAt } from "./model.js";
 import { partWords } from "./run.js";
@@ -37,9 +36,7 @@ function pictureWords({ picture }) {
   return at(picture, "identical") === true ? "The pictures are identical." : `PSNR of the pictures ${numberAt(picture, "psnr_db").toFixed(2)} dB.`;
 }
 
-/**
- * Returns the sentence that compares two runs. `found`: an entry of `against`; `first`, `second`: names of the runs.
- */
+/** Returns a sentence that compares two runs. `found`: an entry of `against`; `first`, `second`: names of the runs. */
 export function diffVerdict(found, first, second) {
   const links = [{ words: "what made the difference", to: "waterfall" }, { words: "keys that differ", to: "keys" }];
   const cycles = at(found, "figures", "cycles"), energy = at(found, "figures", "energy_mj");

@@ -39,9 +39,7 @@ export function percent(share) {
 
 const METRIC = ["f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"], NO_PREFIX = 5;
 
-/**
- * Formats a number with three digits and a metric prefix: "12.3 M", "950", "4.56 mJ". A ratio below 1 has no prefix.
- */
+/** Formats three digits with a metric prefix: "12.3 M", "950", "4.56 mJ". A ratio below 1 has no prefix. */
 export function short(value, unit = "") {
   const withUnit = (text, prefix) => (prefix || unit ? `${text} ${prefix}${unit}` : text);
   if (!Number.isFinite(value) || (Number.isInteger(value) && Math.abs(value) < 1000)) return withUnit(String(value), "");

@@ -2,10 +2,7 @@
 
 export const newView = (name) => ({ name, verdict: null, facts: [], notices: [], headlines: [], sections: [], data: {} });
 
-/**
- * A dataset: rows that charts, tables and downloads share. `columns`: [field, title, show, unit]; `show`: format of
- * values.
- */
+/** A dataset, for charts, tables and downloads. `columns`: [field, title, show, unit]; `show`: format of values. */
 export const dataset = (columns, rows = []) => ({
   columns: columns.map(([field, title, show = "text", unit = ""]) => ({ field, title, show, unit })), rows,
 });

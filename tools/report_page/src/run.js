@@ -9,8 +9,7 @@ const REST = "#8a9099", PALE_REST = "#d3d7dc";
 const BLOCKS = { tni: TRACE[0], srp: WORK[0], l2: TREE[0], tile_buffer: TREE[1], dma: WORK[1], interconnect: REST, dram: WAIT[0], raster: RASTER[0] };
 
 /**
- * Parts of a core's time (totals.top_down): group, memory level of a miss, description, colour, whether text on it is
- * dark, meaning.
+ * Parts of a core's time (totals.top_down): group, level of a miss, name, colour, whether its text is dark, meaning.
  */
 const PARTS = [
   ["kernels", "", "kernels", WORK[0], false, "a kernel's loop ran on the array"],
@@ -37,10 +36,7 @@ const shareOf = (time, { group, level }) => (level ? numberAt(time, group, level
 /** Returns the description of a part of totals.top_down, such as "tree_misses.dram". */
 export const partWords = (name) => PARTS.find((p) => name === (p.level ? `${p.group}.${p.level}` : p.group))?.words ?? name;
 
-/**
- * Returns a function from a path to its sum over all units of a kind. Paths: "core.tni.trv.counters.l1_hits",
- * "core.tni.trv.units" (number of units).
- */
+/** Returns a function from a path, such as "core.tni.trv.counters.l1_hits", to its sum over all units of a kind. */
 export function unitSums(units) {
   const sums = new Map();
   const add = (path, value) => sums.set(path, (sums.get(path) ?? 0) + value);
@@ -56,9 +52,7 @@ export function unitSums(units) {
   return (path) => sums.get(path) ?? 0;
 }
 
-/**
- * Returns the data that the sections of the view read: the report, its totals, sums over units, and seconds of the run.
- */
+/** Returns the data of the view: the report, its totals, sums over units, and seconds of the run. */
 function runOf(data) {
   const { report } = data, totals = at(report, "totals") ?? {}, sum = unitSums(at(report, "units"));
   const share = (unit, reasons) => {
@@ -171,10 +165,7 @@ function addSeries({ series }, view) {
     series.note && text(series.note), charts.length > 0 && { type: "series", id: "series", title: "Over time", charts }));
 }
 
-/**
- * Peak rates by kind of unit: title, unit, reasons of cycles at peak rate, counters of the items processed then, name
- * of an item.
- */
+/** Units: title, path, reasons of cycles at peak rate, counters of the items processed then, name of an item. */
 const PEAKS = [
   ["Traversal units: box pipes", "core.tni.trv", ["visiting"], ["visits"], "nodes"],
   ["Intersection units: triangle pipes", "core.tni.ist", ["testing"], ["tests"], "triangles"],
@@ -324,10 +315,7 @@ function addMemory(run, view) {
 
 const BEYOND = 5;  // factor by which the axis extends beyond the points of interest
 
-/**
- * Adds the roofline. Ceilings: rays per second if only that resource limited, at this frame's bytes, steps and kernel
- * cycles per ray.
- */
+/** Adds the roofline. Ceilings: rays per second if only that resource limited, with this frame's work per ray. */
 function addRoofline({ totals, share, seconds }, view) {
   const rays = numberAt(totals, "rays", "total"), bytes = numberAt(totals, "dram_bytes"), bus = share("dram.channel", ["reading", "writing"]);
   const lead = "Rays per second against bytes of DRAM traffic per ray. Ceilings are what each resource would allow if it were always busy at its peak, with this frame's work per ray.";

@@ -39,10 +39,7 @@ export function flow(block, data) {
 
 const wordsOf = (name) => (name.includes(": ") ? name.split(": ").slice(1).join(": ") : name);
 
-/**
- * Draws the flow of energy. Without room for three columns the total is a line above its blocks. On a narrow window
- * labels have only shares.
- */
+/** Draws the flow of energy. If the width is too small for three columns, the total is a line above its blocks. */
 function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, width, about) {
   const hasWhole = width >= THREE_COLUMNS;
   const every = all.filter((l) => l[side] > 0).map((l) => ({ source: l.from, target: l.to, value: l[side] }));

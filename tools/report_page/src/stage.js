@@ -32,9 +32,7 @@ function drawGrid(layer, grid, canvas, map) {
   context.putImageData(pixels, 0, 0);
 }
 
-/**
- * Draws values of pixels. They are stored as an image: red and green are the high and low byte of a number of steps.
- */
+/** Draws values of pixels, stored as an image: red and green are the high and low byte of a number of steps. */
 async function drawValues(layer, canvas, map) {
   const { width, height, data } = await pixelsOf(layer.pixels);
   canvas.width = width;

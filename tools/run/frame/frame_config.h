@@ -10,8 +10,8 @@ namespace tools {
 
 /// State of the caches at the start of a frame.
 enum class FrameStart : std::uint8_t {
-  kCold,  ///< empty
-  kWarm,  ///< as the previous frame left them
+  kCold,  ///< caches are empty
+  kWarm,  ///< caches are as the previous frame left them
 };
 constexpr std::array<std::string_view, 2> names_of(FrameStart) { return {"cold", "warm"}; }
 

@@ -12,8 +12,7 @@ namespace tools {
 /// Returns reports of the chip's units, without the memory's, for a millisecond in which all of them are idle.
 std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitReport> units);
 
-/// Returns what the chip still uses between frames, as energy or power. power.idle decides which share of its leakage
-/// and idle clocks remains.
+/// Returns the energy or power of the chip between frames: the part of leakage and idle clocks that power.idle keeps.
 template <class Energy>
 Energy between_frames(const sim::PowerConfig& power, const Energy& leakage, const Energy& idle_clock) {
   switch (power.idle) {
@@ -47,18 +46,15 @@ struct RatedClocks {
   sim::Band power_w;              ///< mean power over a frame period at the target rate
 };
 
-/// A run at the target frame rate frame.fps: each frame begins a period after the one before, and the machine idles in
-/// between.
+/// A run at the target rate frame.fps: each frame begins a period after the one before; the machine idles in between.
 struct FrameRate {
   double fps = 0, period_ms = 0, slowest_ms = 0;
   double busy = 0;          ///< mean share of a period in which the machine works
   sim::Band idle_mw;        ///< power between frames, in mW
   sim::Band power_w;        ///< mean power; if the rate is not met, energy per frame times rate
   double clock_factor = 0;  ///< factor of the slowest clocks that meet the rate if the number of cycles stays the same
-  /// Operating point with these clocks; empty if the rate is not met or a curve is missing.
-  std::optional<RatedClocks> slowest;
-  /// Operating point with the least power between `slowest` and the configured clocks.
-  std::optional<RatedClocks> best;
+  std::optional<RatedClocks> slowest;  ///< operating point with these clocks; empty if not met or without curves
+  std::optional<RatedClocks> best;     ///< operating point with the least power from these to the configured clocks
 
   /// Returns the frame rate of the slowest frame divided by the target rate.
   double margin() const { return period_ms / slowest_ms; }

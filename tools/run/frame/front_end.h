@@ -33,8 +33,8 @@ class InMemoryTrace;
 /// Results of a frame program that do not depend on the machine: picture, and counts of work.
 struct RenderResult {
   std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by finish_picture()
-  kernels::Sampling sampling;              ///< set together with rgb
-  std::vector<kernels::SampleMark> marks;  ///< set together with rgb, if the program keeps marks
+  kernels::Sampling sampling;              ///< statistics of adaptive sampling; set together with rgb
+  std::vector<kernels::SampleMark> marks;  ///< marks of the samples, if the program keeps them; set together with rgb
   kernels::TileSummaries summaries;        ///< summaries of the tiles that next() has returned so far, if itemised
   /// Work of each pixel by rows, if itemised; empty for a program without a picture.
   std::vector<kernels::PixelWork> pixels;
@@ -83,8 +83,7 @@ class FrontEnd final : public hw::TileSource {
     return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
   }
   const traces::TileWork* take_tile();
-  /// Returns a free slot. Its arrays have the largest sizes that tiles have needed so far, so that later tiles do not
-  /// allocate.
+  /// Returns a free slot. Its arrays are as large as any tile has needed so far, so that later tiles do not allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
   void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
@@ -102,8 +101,7 @@ class FrontEnd final : public hw::TileSource {
   RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
-  /// Tiles that are executed or finished but not yet returned by next(), in order.
-  std::vector<std::unique_ptr<Slot>> ahead_;
+  std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles executed ahead: in execution or finished, in order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< tiles that the machine holds
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned

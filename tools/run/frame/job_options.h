@@ -12,11 +12,11 @@ inline constexpr std::uint32_t kMostReplicates = 1000;
 struct JobOptions {
   std::string config = "sgrt-2016";
   std::string scene;   ///< built-in scene, workload or file; empty: as configured
-  std::string camera;  ///< name or index; empty: as configured
-  std::string frames;  ///< "10:19" or "10"; empty: as configured
+  std::string camera;  ///< name or index of the camera; empty: as configured
+  std::string frames;  ///< frames to simulate: "10:19" or "10"; empty: as configured
   std::string program = "full:1";
   std::string reference;   ///< program to compare with; empty: none
-  std::string resolution;  ///< "1024x512"; empty: as configured
+  std::string resolution;  ///< size of the picture: "1024x512"; empty: as configured
   std::vector<std::string> sets;
   std::vector<std::string> ideal;  ///< names of ideal resources
   std::uint32_t threads = 0;       ///< host threads; 0: all cores

@@ -66,8 +66,7 @@ struct UnperturbedRun {
   std::shared_ptr<const hw::CacheContents> start;  ///< lines in its caches before its first cycle; null: none
 };
 
-/// Simulates recorded work on `count` machines that differ from `plain` by perturbations 1 to `count`. Returns their
-/// results in order.
+/// Simulates recorded work on `count` machines that differ from `plain` only by perturbations 1 to `count`.
 std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                              const InMemoryTrace& work, const UnperturbedRun& plain,
                                              std::uint32_t count, std::uint32_t threads, Progress* progress);

@@ -47,8 +47,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< cursors that no thread uses
 };
 
-/// Returns the bounds of nodes, triangles and addresses in the work of a replayed trace; null if the program is not a
-/// replay.
+/// Returns the bounds of nodes, triangles and addresses in a replayed trace; null if the program is not a replay.
 const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 
 /// The recorded work of a frame in memory, encoded as in a trace file: some hundred bytes per sample.

@@ -124,10 +124,9 @@ struct FrameResult {
   std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
   std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
   double replicate_seconds = 0;         ///< host time of the replicates
-  std::vector<hw::TileAccount> tile_accounts;  ///< activity of each entry of the tile list, if itemised
-  /// Contents of the caches after a whole frame, with frame.start warm.
-  std::shared_ptr<const hw::CacheContents> caches;
-  hw::TileAccount rest;  ///< activity that no tile requested, if itemised
+  std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if itemised
+  std::shared_ptr<const hw::CacheContents> caches;  ///< caches after a whole frame, with frame.start warm
+  hw::TileAccount rest;                             ///< activity that no tile requested, if itemised
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture remains that of the first frame.
@@ -147,16 +146,14 @@ struct SimulateOptions {
   bool keep_part = false;             ///< an interrupt keeps the finished tiles, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
-  /// True: this is the reference: it has its own part of the trace and is rendered with reference_render().
-  bool reference = false;
+  bool reference = false;  ///< this is the reference: own part of the trace, rendered with reference_render()
   sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time; null: not recorded
   RunWatcher* watcher = nullptr;              ///< receives pictures of the frame during the simulation; null: none
   std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed
   const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
   bool itemised = false;                      ///< keep the costs of each tile and pixel
   hw::Observer* observer = nullptr;           ///< observer of the machine; null: none
-  /// Contents of the caches after the previous frame, for frame.start warm.
-  std::shared_ptr<const hw::CacheContents> caches{};
+  std::shared_ptr<const hw::CacheContents> caches{};  ///< caches after the previous frame, for frame.start warm
   /// Program whose last tiles warm the caches if `caches` is null; null: the simulated program itself.
   kernels::FrameProgram* previous = nullptr;
 };

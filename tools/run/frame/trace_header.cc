@@ -42,8 +42,8 @@ Json fields_given_by_options(const RunConfig& effective, const JobOptions& optio
   return out;
 }
 
-/// True if a key that affects `function` changes the recorded work. Limits of loading do not, nor do keys of frame
-/// programs that neither run nor reference uses.
+/// True if a key with Affects::kFunction changes the work in a trace. Loading limits do not, nor do keys of frame
+/// programs that neither the run nor its reference uses.
 bool changes_work(std::string_view key, std::string_view program, std::string_view reference) {
   const std::string_view group = key.substr(0, key.find('.'));
   if (group == "limits") return false;
@@ -69,7 +69,7 @@ bool is_pair(const Json& json) { return json.is_array() && json.size() == 2 && s
 
 /// A required key of a trace's header.
 struct HeaderKey {
-  const char* pointer;  ///< JSON pointer
+  const char* pointer;  ///< JSON pointer to the key
   bool (*fits)(const Json&);
   const char* kind;
 };
