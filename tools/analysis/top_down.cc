@@ -57,7 +57,8 @@ double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.
 
 MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   using OfBank = hw::L2Bank::CycleReason;
-  constexpr double kOftenBlocked = 0.05;  // chosen: from this share of time on, all port queues are charged to it
+  // Chosen: if L2 banks are blocked for this share of time or more, all queues at ports are charged to the L2.
+  constexpr double kOftenBlocked = 0.05;
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
   const std::uint64_t reads = banks.counted(&L2Stats::reads);
@@ -230,8 +231,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait =
       l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // Returns the ns of a lookup in a cache of cycle time `ns`, with synchronisers in both directions if the L2's
-  // differs.
+  // Returns the ns of a lookup with cycle time `ns`, plus synchronisers in both directions if the L2 has another clock.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels =
       split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),

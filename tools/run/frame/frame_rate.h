@@ -53,8 +53,8 @@ struct FrameRate {
   sim::Band idle_mw;        ///< power between frames, in mW
   sim::Band power_w;        ///< mean power; if the rate is not met, energy per frame times rate
   double clock_factor = 0;  ///< factor of the slowest clocks that meet the rate if the number of cycles stays the same
-  std::optional<RatedClocks> slowest;  ///< operating point with these clocks; empty if not met or without curves
-  std::optional<RatedClocks> best;     ///< operating point with the least power from these to the configured clocks
+  std::optional<RatedClocks> slowest;  ///< operating point with clock_factor; empty if not met or without curves
+  std::optional<RatedClocks> best;     ///< operating point of least power between `slowest` and the configured clocks
 
   /// Returns the frame rate of the slowest frame divided by the target rate.
   double margin() const { return period_ms / slowest_ms; }

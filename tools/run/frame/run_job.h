@@ -125,7 +125,7 @@ struct FrameResult {
   std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
   double replicate_seconds = 0;         ///< host time of the replicates
   std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if itemised
-  std::shared_ptr<const hw::CacheContents> caches;  ///< caches after a whole frame, with frame.start warm
+  std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
   hw::TileAccount rest;                             ///< activity that no tile requested, if itemised
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
@@ -153,7 +153,7 @@ struct SimulateOptions {
   const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
   bool itemised = false;                      ///< keep the costs of each tile and pixel
   hw::Observer* observer = nullptr;           ///< observer of the machine; null: none
-  std::shared_ptr<const hw::CacheContents> caches{};  ///< caches after the previous frame, for frame.start warm
+  std::shared_ptr<const hw::CacheContents> caches{};  ///< cache contents after the previous frame, for frame.start warm
   /// Program whose last tiles warm the caches if `caches` is null; null: the simulated program itself.
   kernels::FrameProgram* previous = nullptr;
 };
