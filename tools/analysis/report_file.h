@@ -54,7 +54,7 @@ struct ReportNumber {
 /// differ between equal runs, and the confidence intervals of counters. Throws InputError for excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
-/// Returns sums over similar units: "units.core.tni.trv.counters.l1_hits" is the sum over all TRVs,
+/// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,
 /// "units.core.tni.trv.units" their number. Single units are included.
 std::vector<ReportNumber> unit_sums(const sim::Json& report);
 

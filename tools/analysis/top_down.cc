@@ -125,7 +125,7 @@ double rays_waiting(const Units<Unit>& units) {
          safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
-/// Sets the demands on memory: traffic shares of the DMA and of spilled ray slots, DRAM utilisation and queues.
+/// Sets a core's demands on memory: traffic shares of the DMA and of spilled ray slots, DRAM utilisation and queues.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
                  const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
@@ -427,8 +427,8 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Returns which fraction of the T&I unit's time with free ray slots would remain with ideal shader cores. The ends of
-/// tiles always remain. The fraction grows with the time in which launches wait for ray slots of the tile buffer.
+/// Returns the fraction of the T&I unit's time with free ray slots that would remain with ideal shader cores. The ends
+/// of tiles always remain. The fraction grows with the time in which launches wait for ray slots of the tile buffer.
 double never_full(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
@@ -513,7 +513,7 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   struct Rest {
     const char* resource;
     double stages, transfers, raster_misses;
-    double least_time;  ///< lower bound of the frame time
+    double least_time;  ///< lower bound of the frame time, as a share of the measured time
   };
   const std::vector<Rest> rests = {
       {"tni", combined_time({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},

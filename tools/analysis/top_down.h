@@ -63,7 +63,7 @@ struct CoreTime {
     double spilling = 0;     ///< time in which the DMA moves spilled ray slots
     double spill_lines = 0;  ///< lower bound of the time for spills, set by their lines on the wires of the DMA's port
     double tracing = 0;      ///< time that the T&I unit would need at the rate that it has with all ray slots in use
-    double records = 0;      ///< share of L2 requests that carry rays and hits through memory
+    double records = 0;      ///< share of L2 requests that read or write rays and hits stored in memory
   };
   Demands demands{};
   /// Miss latencies of the core's caches by level of memory.

@@ -90,7 +90,7 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
 struct SetKeys {
   /// All keys in order of declaration; `of_energy`: keys that affect only energy.
   std::vector<std::string> every, of_energy;
-  /// Allowed values of a key: words, or names of files.
+  /// Allowed values of each configuration key: words, or names of files.
   std::vector<std::pair<std::string, std::vector<std::string>>> values;
 };
 

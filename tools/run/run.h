@@ -41,7 +41,8 @@ struct RunPlan {
   const Sliced* slice_settings() const { return std::get_if<Sliced>(&how); }
 };
 
-/// Returns the plan of the options of `raywatt run`. Throws InputError for options that exclude each other.
+/// Returns the run plan that the options of `raywatt run` describe. Throws InputError for options that exclude each
+/// other.
 RunPlan make_plan(const JobOptions& options);
 
 /// Results of a run: sums over its frames, and the report of each frame.
@@ -154,7 +155,7 @@ struct PlayedFrame {
   const Inputs& inputs;
   const FrameResult& frame;
   const FrameResult* reference = nullptr;
-  const TileFrame* tiles = nullptr;  ///< costs of each tile, if itemised
+  const TileFrame* tiles = nullptr;  ///< costs of each tile, if costs are itemised
   bool is_first = true;
 };
 

@@ -206,7 +206,8 @@ struct SlicedProgram {
   const std::vector<Slice> plan;
 };
 
-/// Error at a border between slices that probes cannot measure: half-width, in tile times or energies (docs/slices.md).
+/// Half-width of the error at a border between slices that probes cannot measure, as a number of tiles
+/// (docs/slices.md).
 constexpr double kBorderError = 4;
 
 /// Work that a machine has done, in quantities that rendering counts, too: traversal steps and rays.

@@ -39,7 +39,7 @@ struct Probe {
 struct PlayedSlice {
   Slice slice;
   MachineSpan own;
-  /// Probe at the end of the lead, and probe at the end of the slice; 0 at the start and end of the frame.
+  /// Probe tiles at the end of the lead, and those at the end of the slice; 0 at the start and end of the frame.
   Probe before, after;
   /// Host CPU time of the slice's thread: total, and without the execution of tiles.
   double seconds = 0, timing_seconds = 0;
@@ -63,7 +63,7 @@ SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 /// Number of slices that means: choose the number from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
-/// Parses "8", or "auto" for kAutoSlices; throws InputError otherwise.
+/// Parses the number of slices: "8", or "auto" for kAutoSlices; throws InputError for other texts.
 std::uint32_t parse_slices(const std::string& text);
 
 /// Throws InputError for a program whose frames cannot be split.

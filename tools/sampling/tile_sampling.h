@@ -22,7 +22,7 @@ struct TileSampling {
   bool full_image = true;  ///< render all tiles, including those that are not simulated
 };
 
-/// Parses "5%" or "auto", "full" or "none"; throws InputError otherwise.
+/// Parses --tile-sampling ("5%" or "auto") and --image ("full" or "none"); throws InputError for other texts.
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image);
 
 /// Throws InputError for a program whose tiles cannot be sampled.

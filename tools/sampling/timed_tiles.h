@@ -32,7 +32,7 @@ struct Mark {
 ///             \-> tiles before it --> warm the caches at once      | dispatched: marks
 class TimedTiles final : public hw::TileSource {
  public:
-  /// A tile that was simulated.
+  /// A simulated tile and the times of its dispatch and end.
   struct TimedTile {
     std::uint32_t tile = 0;
     sim::Time begin = 0, end = 0;  ///< time of dispatch; time of completion, or of the first dispatch after it

@@ -20,7 +20,8 @@ struct HeatMap {
   std::vector<float> values;
 };
 
-/// Returns the heat maps of an itemised frame, summed over all passes; none for a replay, which has no picture.
+/// Returns the heat maps of a frame with itemised costs, summed over all passes; none for a replay, which has no
+/// picture.
 ///   `cycles`: of the pixel's tile, from dispatch to end
 ///   `srp-cycles`: of the pixel's tile, on the array of its shader core
 ///   `rays`, `steps`, `tests`: of the pixel

@@ -26,7 +26,7 @@ struct TileEnergy {
   sim::Band rest;  ///< energy of requests without a tile, and of time without tiles
 };
 
-/// Returns the energy of each tile of an itemised frame, by these rules:
+/// Returns the energy of each tile of a frame with itemised costs, by these rules:
 ///
 /// 1. The energy of a core's counter is shared by that core's tiles, the energy of a shared unit's counter by all
 ///    tiles.
@@ -38,8 +38,8 @@ struct TileEnergy {
 /// 5. Time-dependent energy is shared by the tiles in flight.
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 
-/// Returns the table of the tiles of an itemised frame. The table of a replay has no columns x, y, width and height,
-/// because a trace has no picture.
+/// Returns the table of tiles of a frame with itemised costs. The table of a replay has no columns x, y, width and
+/// height, because a trace has no picture.
 TileFrame compute_tile_figures(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
 
 }  // namespace tools

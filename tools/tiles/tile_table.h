@@ -24,7 +24,7 @@ struct TileFrame {
   std::uint32_t frame = 0;
   std::vector<TileColumn> columns;
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().values.size(); }
-  /// Returns the column with this name, or null: the table of a replay has no columns of positions.
+  /// Returns the column with this name; null if there is none: the table of a replay has no columns of positions.
   const TileColumn* find(std::string_view name) const;
   const std::vector<double>& at(std::string_view name) const;
 };

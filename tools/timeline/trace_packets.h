@@ -72,7 +72,7 @@ struct Annotation {
 };
 struct Interned {
   static constexpr Tag kCategories = 1, kNames = 2, kAnnotationNames = 3;
-  static constexpr Tag kId = 1, kText = 2;  ///< fields of an interned text
+  static constexpr Tag kId = 1, kText = 2;  ///< field numbers of an entry in the tables of texts
 };
 
 constexpr std::uint32_t kSequence = 1;
@@ -228,7 +228,7 @@ class TimelineTracks {
   std::uint64_t core_counter(std::uint32_t core, const std::string& name, const std::string& unit) {
     return new_track(process_of(core), name, kOfCounters, unit);
   }
-  /// Writes all tracks in use, processes first.
+  /// Adds the descriptors of all tracks in use to the trace, processes first.
   void write_descriptors(TracePackets& to) const {
     for (std::uint32_t core = 0; core < cores_.size(); ++core) {
       to.add_process(process_of(core), fmt::format("core {}", core), static_cast<std::int32_t>(core));

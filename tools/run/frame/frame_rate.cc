@@ -75,7 +75,7 @@ sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks)
   return sum;
 }
 
-/// Returns the mean power in W over a frame period, with its idle time. `pj`: energy of all frames.
+/// Returns the mean power in W over a frame period, including its idle time. `pj`: energy of all frames.
 sim::Band mean_power_w(const FinishedFrames& frames, double fps, const sim::Band& pj, double time_ms,
                        const sim::Band& idle_mw) {
   const double busy = fps * time_ms / frames.count / 1000;

@@ -35,8 +35,8 @@ struct RenderResult {
   std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by finish_picture()
   kernels::Sampling sampling;              ///< statistics of adaptive sampling; set together with rgb
   std::vector<kernels::SampleMark> marks;  ///< marks of the samples, if the program keeps them; set together with rgb
-  kernels::TileSummaries summaries;        ///< summaries of the tiles that next() has returned so far, if itemised
-  /// Work of each pixel by rows, if itemised; empty for a program without a picture.
+  kernels::TileSummaries summaries;        ///< summaries of the tiles that next() has returned, if costs are itemised
+  /// Work of each pixel by rows, if costs are itemised; empty for a program without a picture.
   std::vector<kernels::PixelWork> pixels;
   std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
   std::uint64_t continued = 0;  ///< rays that continued after passing a transparent surface

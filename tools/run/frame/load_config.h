@@ -52,7 +52,7 @@ void set_hit_cycles(RunConfig& config);
 /// True if a cache has hit_cycles `auto`.
 bool uses_latency_table(const RunConfig& config);
 
-/// Returns a warning for each cache with hit_cycles `auto` and a size outside the curve.
+/// Returns a warning for each cache with hit_cycles `auto` and a size outside the range of the latency curve.
 std::vector<std::string> latency_warnings(const RunConfig& config);
 
 /// Everything that a run depends on, except the frame program: one YAML file. The machine's keys are at the top level.

@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// Source without tiles, for machines that are built but not run.
+/// Tile source without tiles, for machines that are built but not run.
 class NoTiles final : public hw::TileSource {
  public:
   const traces::TileWork* next() override { return nullptr; }

@@ -72,8 +72,8 @@ class InMemoryTrace {
   std::vector<std::string> tiles_;
 };
 
-/// Frame program that decodes tiles from memory instead of rendering them. The front end must have no worker threads.
-/// Throws Interrupted.
+/// Frame program that decodes tiles from memory instead of rendering them. The front end must have no worker threads,
+/// because all tiles share one decoder. Throws Interrupted.
 class InMemoryTraceProgram final : public kernels::FrameProgram {
  public:
   /// `on_tile` is called after each tile.

@@ -124,9 +124,9 @@ struct FrameResult {
   std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
   std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
   double replicate_seconds = 0;         ///< host time of the replicates
-  std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if itemised
+  std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if costs are itemised
   std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
-  hw::TileAccount rest;                             ///< activity that no tile requested, if itemised
+  hw::TileAccount rest;                             ///< activity that no tile requested, if costs are itemised
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture remains that of the first frame.

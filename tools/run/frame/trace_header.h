@@ -12,16 +12,16 @@ namespace tools {
 
 /// Returns the header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
-/// Returns the JSON of a part's result: outputs of the frame program that its recorded work does not contain.
+/// Returns the JSON result of a part of a trace: outputs of the frame program that the recorded work does not contain.
 traces::Json recorded_result(const RenderResult& result);
-/// Returns the JSON entry of a frame. `error`: mean squared difference from the reference's picture.
+/// Returns a frame's JSON entry in a trace. `error`: mean squared difference from the reference's picture.
 traces::Json recorded_frame(std::uint32_t number, double error);
 
-/// Parses the JSON of a part's result: counts of sampling and of continued rays.
+/// Parses the JSON result of a part of a trace: counts of sampling and of continued rays.
 RenderResult parse_recorded_result(const traces::Json& json);
 
-/// Throws InputError, without the file's name, if a key is missing or has the wrong type. The functions below require a
-/// header that has passed this check.
+/// Checks the header of a trace. Throws InputError, without the file's name, if a key is missing or has the wrong type.
+/// The functions below require a header that has passed this check.
 void check_header(const traces::Json& header);
 
 /// Returns the configuration of a replay: the trace's own, or the one named in `options` with the trace's settings of
