@@ -69,8 +69,8 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
-/// Returns the share of a kernel's cycles that belongs to a group. It is 0 or 1, except for fused kernels: these have
-/// the share of operations in their parts of the group.
+/// Returns the share of a kernel's cycles that belongs to a group: 0 or 1, except for fused kernels. For these it is
+/// the share of operations in those parts that belong to the group.
 double part_of(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;

@@ -26,7 +26,7 @@ struct ReportFile {
   /// Returns the number at a path; 0 if the report lacks it.
   double number(const std::string& path) const;
   bool has(const std::string& path) const { return numbers.contains(path); }
-  /// Returns a text of the report by group and key, e.g. "provenance", "model_id"; empty if absent.
+  /// Returns a text value of the report by group and key, e.g. "provenance", "model_id"; empty if absent.
   std::string text(const std::string& group, const std::string& key) const;
   /// True for the report of a reference program; the tables of tiles and pixels in its folder belong to the run itself.
   bool is_reference() const { return file.filename() == kReferenceReport; }

@@ -296,7 +296,7 @@ sim::Json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
-/// Returns a share of time; if the JSON splits it by level, the sum of the levels.
+/// Returns a share of time from JSON: the number itself, or the sum over memory levels.
 double sum_of_levels(const sim::Json& share) {
   double all = 0;
   for (const sim::Json& part : share) all += part.get<double>();

@@ -32,7 +32,7 @@ std::filesystem::path find_experiment(const std::filesystem::path& argument);
 /// "dram", "energy" or "experiments".
 std::vector<std::string> config_names_in(const std::string& folder);
 
-/// Returns the file of a name from config_names() or config_names_in().
+/// Returns the file of a configuration whose name config_names() or config_names_in() returned.
 std::filesystem::path find_config_file(const std::string& name);
 
 /// Returns the names of all configurations, sorted.

@@ -28,10 +28,10 @@ Draws draws_of(std::span<const double> values);
 /// Difference b - a of two means with possibly unequal variances (Welch, Biometrika 1947).
 struct MeanDifference {
   double value = 0;
-  double error = 0;    ///< standard error of `value`
+  double error = 0;    ///< standard error of the difference
   double degrees = 1;  ///< degrees of freedom by the Welch-Satterthwaite equation
 
-  /// Returns the half-width of the 95 % interval of `value`.
+  /// Returns the half-width of the 95 % interval of the difference.
   double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
   /// Returns the one-sided p-value: the probability of a difference at least as large as `value` if the true difference
   /// is zero.
@@ -81,9 +81,9 @@ struct SeenFigure {
   std::optional<Draws> draws{};  ///< statistics over replicates; empty for a single run
   double assumed = 0;  ///< default_noise() of the figure if there are no replicates; 0: the figure does not vary
 
-  /// Returns the standard error of `value`.
+  /// Returns the standard error of the figure's value.
   double standard_error() const;
-  /// Returns the half-width of the 95 % interval of `value`.
+  /// Returns the half-width of the 95 % interval of the figure's value.
   double half_width() const;
 };
 /// Returns the difference b - a of two figures and its error; by Welch's test if both have replicates.

@@ -17,7 +17,7 @@ namespace tools {
 struct EnergyEntry {
   std::string name;  ///< name of the entry: "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
-  std::string meaning;  ///< meaning of its configuration key
+  std::string meaning;  ///< description of the entry's configuration key
   std::uint64_t hash = 0;
   /// A figure of the configuration, and its band before any draw.
   struct Figure {

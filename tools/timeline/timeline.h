@@ -25,7 +25,7 @@ struct RecordedSlice {
   std::uint16_t kernel = 0;                          ///< kLoop: number of the kernel
   std::uint32_t entry = kNoEntry;                    ///< index in the tile list
   std::uint32_t amount = 0;                          ///< kLoop: items; kRays: rays; kTransfer: bytes
-  std::uint32_t launches = 0;                        ///< kLoop: chunks of kernel launches in the loop
+  std::uint32_t launches = 0;                        ///< kLoop: number of chunks of kernel launches in the loop
   std::uint32_t rays_at_begin = 0, rays_at_end = 0;  ///< kRays: number of rays in the core's T&I unit
   sim::Time begin = 0, end = 0;
   sim::Time configured = 0, start = 0;  ///< kLoop: end of the configuration switch; begin of the loop

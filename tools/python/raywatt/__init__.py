@@ -155,7 +155,7 @@ def _without_kernels(figures):
 
 
 def _flat(tree, prefix=""):
-    """Returns the leaves by path: plain values and lists of them; groups in a list are numbered."""
+    """Returns the leaves of a JSON tree by path: values, and lists of values. Groups in a list are numbered."""
     if not isinstance(tree, dict) and not (isinstance(tree, list) and any(isinstance(part, dict) for part in tree)):
         return {prefix: tree}
     leaves = {}
@@ -165,7 +165,7 @@ def _flat(tree, prefix=""):
 
 
 def _unit_rows(tree, path=""):
-    """Returns the rows of all units; a unit is a node with elapsed cycles."""
+    """Returns the rows of all units in the JSON tree `units` of a report; a unit is a node with elapsed cycles."""
     if "elapsed" not in tree:
         return [row for name, part in tree.items() for row in _unit_rows(part, f"{path}.{name}" if path else name)]
     rows = [(path, "elapsed", "elapsed", tree["elapsed"])]

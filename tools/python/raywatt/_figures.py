@@ -27,7 +27,7 @@ class FigureFrame(pandas.DataFrame):
 
 
 def resolve(key, paths):
-    """Returns the path of a name, or the key itself if it is a path or not a text.
+    """Returns the report path that a name denotes, or the key itself if it is a path or not a text.
 
     A name denotes the equal path, with or without "totals."; otherwise the only path that ends with it after a dot,
     with priority for figures of totals. A figure with a band denotes its nominal value.

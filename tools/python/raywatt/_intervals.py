@@ -5,10 +5,10 @@ import pandas
 FILE = "intervals.bin.zst"
 MAGIC = b"raywatt-intervals/1\n"
 PEAK = 1
-CHUNK_BYTES = 1 << 12  # packed bytes read at once; bounds the bytes that one call unpacks
+CHUNK_BYTES = 1 << 12  # packed bytes read at once; limits the bytes that one call unpacks
 MAX_VARINT_BYTES = 10  # a 64-bit value, 7 bits a byte
-MAX_ROWS = 1 << 24  # of all frames together: below 1 GiB as a frame of pandas
-MAX_BYTES = 8 * MAX_ROWS  # of all blocks, unpacked
+MAX_ROWS = 1 << 24  # rows of all frames together: below 1 GiB as a pandas frame
+MAX_BYTES = 8 * MAX_ROWS  # bytes of all blocks, unpacked
 MAX_INTERVALS, MAX_UNITS, MAX_COUNTERS, MAX_NAME_BYTES = 2048, 65536, 1024, 256
 COLUMNS = ["frame", "interval", "begin_us", "end_us", "unit", "kind", "name", "value"]
 
@@ -119,7 +119,7 @@ def _values_of(block):
         return block[at - size:at].decode()
 
     values = []
-    number(MAX_ROWS)  # of frames
+    number(MAX_ROWS)  # skips the number of frames
     for _ in range(number(MAX_UNITS)):
         unit = name()
         values += [(unit, "why", name(), False) for _ in range(number(MAX_COUNTERS))]

@@ -48,7 +48,8 @@ struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
   std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
-  std::shared_ptr<const hw::CacheContents> start{};  ///< lines in its caches; null: chosen by frame.start of `config`
+  /// contents of its caches at the start; null: by frame.start of `config`
+  std::shared_ptr<const hw::CacheContents> start{};
 };
 
 /// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`: a
