@@ -28,8 +28,8 @@ const Moved* find_moved(const RunCheck& run, std::string_view path) {
   return found == run.moved.end() ? nullptr : &*found;
 }
 
-/// Returns the changed value to print for a run whose cycles did not change: a value of the whole machine, or else of
-/// the named unit.
+/// Returns the changed value to print for a run whose cycle count is unchanged. Values of the whole machine come before
+/// values of the located unit.
 const Moved& value_to_print(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
   if (found == run.moved.end() && run.can_report_changed_unit()) {
@@ -39,13 +39,13 @@ const Moved& value_to_print(const RunCheck& run) {
   return found == run.moved.end() ? run.moved.front() : *found;
 }
 
-/// Formats counts exactly and other numbers with six digits, so that small differences are visible.
+/// Formats integers exactly and other numbers with six digits, so that small differences are visible.
 std::string number_text(double number) {
   return number == std::trunc(number) && std::abs(number) < 1e15 ? fmt::format("{:.0f}", number)
                                                                  : fmt::format("{:.6g}", number);
 }
 
-/// Returns the change of a value as text: "100 -> 104 (+4, +4.0 %)".
+/// Describes the change of a stored value: "100 -> 104 (+4, +4.0 %)".
 std::string moved_text(const Moved& moved) {
   if (!moved.was) return fmt::format("{}, not stored", number_text(*moved.is));
   if (!moved.is) return fmt::format("was {}, is missing", number_text(*moved.was));
@@ -59,14 +59,14 @@ std::string moved_text(const Moved& moved) {
                      noise);
 }
 
-/// Returns "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)". The run must have a located unit.
+/// Describes the located unit of a run: "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)".
 std::string located_text(const RunCheck& run) {
   const LocatedRegression& located = *run.located;
   if (!run.keys.changed.empty()) return fmt::format("moved most in {}: {}", located.unit, located.moved);
   return fmt::format("{} in {}: {}", located.is_certain() ? "most likely" : "perhaps", located.unit, located.moved);
 }
 
-/// Returns a line on the first changed key and the number of other changed keys.
+/// Returns one line with the first changed configuration key and the number of others.
 std::string first_changed(const std::vector<KeyPair>& keys) {
   const std::string line = changed_keys_text(std::vector{keys.front()});
   return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
@@ -99,7 +99,7 @@ std::string run_details(const RunCheck& run) {
   return out;
 }
 
-/// Returns the configuration keys that differ in at least one run, with both values, without duplicates.
+/// Returns the configuration keys that changed in at least one run, with old and new value, without duplicates.
 std::vector<KeyPair> differing_keys(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
   std::vector<KeyPair> out;
   for (const RunCheck& run : checked.runs) {
@@ -120,7 +120,8 @@ const RunCheck* most_certain_run(const Checked& checked) {
   return best;
 }
 
-/// Returns a line: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)".
+/// Returns the line of a run in the output: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0
+/// %)".
 std::string check_line(const RunCheck& run) {
   if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
   if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
@@ -131,7 +132,7 @@ std::string check_line(const RunCheck& run) {
                      moved_text(shown));
 }
 
-/// Describes the runs that are not good: changed keys, moved values, and the unit.
+/// Describes all runs that failed or changed: changed configuration keys, changed values and the located unit.
 std::string check_details(const Checked& checked) {
   constexpr std::size_t kMost = 6;
   std::vector<const RunCheck*> bad;
@@ -144,7 +145,7 @@ std::string check_details(const Checked& checked) {
   std::string out;
   for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += run_details(*bad[i]);
   if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
-  // Changed keys are certain and are printed before the estimate from counters.
+  // Changed keys are facts, so they are printed before units estimated from counters.
   const std::vector<KeyPair> changed = differing_keys(checked, &ChangedKeys::changed);
   if (!changed.empty()) out += "\n" + changed_keys_text(changed);
   if (const RunCheck* run = most_certain_run(checked); run != nullptr) {
@@ -161,10 +162,10 @@ std::string check_details(const Checked& checked) {
 
 constexpr std::size_t kLongest = 1000;
 
-/// Removes control characters and invalid UTF-8, which XML does not allow.
+/// Returns text without control characters and invalid UTF-8, which XML does not allow.
 std::string xml_text(const std::string& text) { return sim::printable(text, kLongest); }
 
-/// Returns the text of the JUnit failure of a run.
+/// Returns the failure message of a run for a JUnit file.
 std::string failure_text(const RunCheck& run) {
   std::string out;
   std::istringstream error(run.error);
@@ -179,13 +180,13 @@ std::string failure_text(const RunCheck& run) {
 
 constexpr const char* kMadeBy = " made by raywatt baseline check ";
 
-/// Throws InputError if the JUnit file exists and this verb did not write it; with `force`, only if it is not a regular
-/// file.
+/// Throws InputError if the JUnit file may not be replaced, because `raywatt baseline` did not write it. With `force`
+/// any regular file may be replaced.
 void check_junit(const std::filesystem::path& file, bool force) {
   sim::check_output(file, {.mark = kMadeBy, .kind = "JUnit file of this verb", .any = force});
 }
 
-/// Writes a check as JUnit XML for continuous integration, one test case per run.
+/// Writes the results of a suite as JUnit XML for continuous integration, one test case per run.
 void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked) {
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
@@ -224,7 +225,7 @@ void write_junit(const std::filesystem::path& file, const Suite& suite, const Ch
 
 constexpr std::size_t kLongestLine = 400;
 
-/// Prints text to the terminal. Names of runs come from the user and are made printable by the caller.
+/// Prints text to the terminal. The caller must have removed control characters from names of runs.
 void print_to_terminal(const std::string& text) { fmt::print("{}", to_terminal_encoding(text)); }
 void print_check_line(const RunCheck& run) {
   print_to_terminal(sim::printable(check_line(run), kLongestLine) + "\n");
@@ -235,7 +236,7 @@ bool has_failed(const RunCheck& run) { return !run.error.empty(); }
 bool is_refused(const RunCheck& run) { return !run.refused.empty(); }
 bool has_moved(const RunCheck& run) { return !has_failed(run) && !is_refused(run) && !run.moved.empty(); }
 
-/// Returns the stored runs that are no longer in the suite.
+/// Returns names of runs that have stored values but are no longer in the suite.
 std::vector<std::string> removed_runs(const Suite& suite, const Baseline& stored) {
   std::vector<std::string> out;
   for (const auto& [name, run] : stored.runs) {
@@ -254,7 +255,7 @@ Checked measure_suite(const Suite& suite, const Baseline* stored, const Baseline
   return check_suite(suite, stored, host_threads(options.jobs), print_check_line);
 }
 
-/// Stores the measured values, unless a run failed.
+/// Writes the measured values to the file of stored values, unless a run failed.
 int store_values(const Suite& suite, const Checked& checked) {
   if (const std::size_t failed = checked.count_if(has_failed); failed != 0) {
     print_to_terminal(fmt::format("\n{} of {} runs failed; nothing is stored\n", failed, checked.runs.size()));

@@ -9,13 +9,17 @@ struct BaselineOptions {
   std::uint32_t jobs = 0;
   std::string junit;
   bool force = false;
-  std::uint32_t replicates = 1;  ///< replicates of each run
+  std::uint32_t replicates = 1;  ///< replicates of each run, to estimate noise
 };
 
-// Each simulates the suite and returns kGood, or kCheckFailed if a run failed or a value moved. Throws InputError if
-// the stored values belong to other inputs.
+/// Simulates a suite and stores its values. Returns kGood, or kCheckFailed without storing if a run failed. Throws
+/// InputError if values are already stored, unless `force` is set.
 int record_baseline(const BaselineOptions& options);
+/// Simulates a suite and compares its values with the stored ones. Returns kGood, or kCheckFailed if a run failed or a
+/// value moved. Throws InputError if the stored values were measured on other scenes or programs.
 int check_baseline(const BaselineOptions& options);
+/// Simulates a suite, prints the values that moved and stores the new ones. Returns kGood, or kCheckFailed without
+/// storing if a run failed.
 int accept_baseline(const BaselineOptions& options);
 
 }  // namespace tools

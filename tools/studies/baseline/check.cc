@@ -39,17 +39,17 @@ namespace {
 
 using sim::Json;
 
-/// The result of a run of a suite.
+/// The measured result of one run of a suite.
 struct Measured {
   Facts facts;
-  Values all;          ///< all numbers of its report except replicates
-  StoredDraws draws;   ///< statistics of replicates, if any
+  Values all;          ///< all numbers of the run's report, except those of replicates
+  StoredDraws draws;   ///< statistics over replicates; empty without replicates
   std::string error;   ///< reason that there is no report; empty if there is one
   double seconds = 0;  ///< host time
 };
 
-/// Returns the report of a run, or {"error": text, "is_input": true if the user can fix it}. Only std::bad_alloc is
-/// thrown.
+/// Simulates a run and returns its report. After an error returns {"error": text, "is_input": whether the user can fix
+/// it}. Throws only std::bad_alloc.
 Json report_or_error(const JobOptions& options) {
   try {
     return plain_report(load_inputs(options), options);
@@ -57,14 +57,14 @@ Json report_or_error(const JobOptions& options) {
     return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
   } catch (const sim::InputError& error) {
     return {{"error", error.what()}, {"is_input", true}};
-  } catch (const std::bad_alloc&) {  // a temporary shortage of the host, not a failure of the run
+  } catch (const std::bad_alloc&) {  // the host is short of memory; the run has not failed
     throw;
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"is_input", false}};
   }
 }
 
-/// Returns the replicate statistics of the noisy figures of `totals`, by path.
+/// Returns the statistics over replicates by report path, such as totals.cycles.
 StoredDraws draws_of_replicates(const Json& replicates) {
   StoredDraws out;
   const auto count = replicates["count"].get<std::size_t>();
@@ -91,7 +91,7 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
   Json report;
   try {
     report = sim::parse_json(text);
-  } catch (const sim::JsonError&) {  // the process ended before the report was complete
+  } catch (const sim::JsonError&) {  // the child process ended before its report was complete
   }
   if (WEXITSTATUS(status) == kIoFailed) throw std::bad_alloc();
   if (!report.is_object()) {
@@ -128,7 +128,7 @@ std::unique_ptr<ChildProcess> start_run(const SuiteRun& run) {
   });
 }
 
-/// Simulates the runs of a suite, `jobs` at once, each in its own process, and calls `take` for each in order. Throws
+/// Simulates the runs of a suite in child processes, `jobs` at once, and calls `take` for each run in order. Throws
 /// InputError if a run cannot start, e.g. because of a broken scene file.
 void simulate_suite(const Suite& suite, std::uint32_t jobs,
                     const std::function<void(const SuiteRun&, Measured)>& take) {
@@ -155,7 +155,8 @@ void simulate_suite(const Suite& suite, std::uint32_t jobs,
   }
 }
 
-/// Returns small trial runs of a different scene, one for each program and reference in the suite.
+/// Returns one short trial run for each combination of program and reference in a suite. Trial runs render 16x16 pixels
+/// of a built-in scene and show which report paths exist.
 Suite trial_runs_of(const Suite& suite) {
   Suite probes;
   for (const SuiteRun& run : suite.runs) {
@@ -174,13 +175,13 @@ Suite trial_runs_of(const Suite& suite) {
   return probes;
 }
 
-/// Removes digits, so that "units.core0.srp" and "units.core3.srp" are equal.
+/// Removes digits from a report path, so that "units.core0.srp" and "units.core3.srp" are equal.
 std::string remove_digits(std::string path) {
   std::erase_if(path, [](unsigned char c) { return std::isdigit(c) != 0; });
   return path;
 }
 
-/// Returns the last components of a path, as many as `text` has.
+/// Returns the last components of a report path, as many components as `text` has.
 std::string end_of_same_depth(const std::string& path, std::string_view text) {
   std::size_t begin = path.size();
   for (auto parts = std::ranges::count(text, '.') + 1; parts > 0 && begin != std::string::npos; --parts) {
@@ -189,8 +190,8 @@ std::string end_of_same_depth(const std::string& path, std::string_view text) {
   return begin == std::string::npos ? path : path.substr(begin + 1);
 }
 
-/// Returns the end of a report path that is spelled most like `text`, among paths common to all scenes; empty if none
-/// is similar.
+/// Returns the end of a report path that is spelt most like `text`, or an empty text if none is similar. Paths that
+/// depend on the scene are not considered.
 std::string nearest_path_end(const std::string& text, const std::vector<std::string>& paths) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
@@ -204,23 +205,23 @@ std::string nearest_path_end(const std::string& text, const std::vector<std::str
   return found == known.end() ? std::string() : *found;
 }
 
-/// True if `text` matches at least one report path.
+/// True if `text` matches at least one report path. `kinds`: report paths without digits.
 bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   try {
     return !report_path_group(remove_digits(text), kinds).empty();
-  } catch (const sim::InputError&) {  // ambiguous: it matches several paths
+  } catch (const sim::InputError&) {  // the text is ambiguous, so it matches several paths
     return true;
   }
 }
 
-/// Refuses misspelled paths of `keep` before the suite is simulated. Throws InputError with the nearest path.
+/// Throws InputError for a misspelt path in `keep` of the suite, with the nearest correct path. Runs only short trials.
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {
     simulate_suite(trial_runs_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
       for (const auto& [path, value] : probe.all) paths.push_back(path);
     });
-  } catch (const sim::InputError&) {  // the run itself fails with a better message
+  } catch (const sim::InputError&) {  // the run of the suite will fail with a better message
     return;
   }
   std::set<std::string> kinds;
@@ -235,7 +236,7 @@ void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   }
 }
 
-/// Chooses numbers of reports by `keep` of the suite.
+/// Chooses the numbers of a report that a suite keeps.
 class KeptPaths {
  public:
   explicit KeptPaths(const Suite& suite) : suite_(suite) {}
@@ -244,7 +245,8 @@ class KeptPaths {
     std::string path;
     double percent = 0;
   };
-  /// Returns the chosen paths in the order of `keep`. A path named twice has its first place and its last tolerance.
+  /// Returns the report paths that `keep` of the suite chooses, in its order. A path that is chosen twice keeps its
+  /// first position and its last tolerance.
   std::vector<Chosen> choose_paths(const Values& all) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
@@ -286,7 +288,7 @@ class KeptPaths {
   std::set<std::string> found_;
 };
 
-/// Keys that change the recorded work.
+/// Returns the configuration keys that change the rendered rays, and not only their timing.
 const std::set<std::string>& function_keys() {
   static const std::set<std::string> keys = [] {
     std::set<std::string> out;
@@ -298,7 +300,7 @@ const std::set<std::string>& function_keys() {
   return keys;
 }
 
-/// Removes the keys that change the recorded work from `keys` and adds a refusal for each.
+/// Moves the configuration keys that change the rendered rays from `keys` to `refusals`, each as an error message.
 void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& refusals) {
   for (const KeyPair& key : keys) {
     if (!function_keys().contains(key.key)) continue;
@@ -307,8 +309,9 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
   std::erase_if(keys, [](const KeyPair& key) { return function_keys().contains(key.key); });
 }
 
-/// Returns the reasons that stored values, made from `was` with Embree version `embree`, cannot be compared with new
-/// values, made from `is`. Other differing keys are added to `keys`.
+/// Returns the reasons that new values cannot be compared with stored ones, such as another scene or program. `was`,
+/// `is`: inputs of both; `embree`: version that built the stored tree. Adds changed keys that do not prevent a
+/// comparison to `keys`.
 std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
                                        ChangedKeys& keys) {
   std::vector<std::string> out;
@@ -333,7 +336,8 @@ std::vector<std::string> find_refusals(const Facts& was, const std::string& embr
   return out;
 }
 
-/// Locates the regression in the units of the changed keys if their counters moved, and else in all units.
+/// Returns the hardware unit that most likely changed. Units whose configuration keys changed are tried before all
+/// others.
 std::optional<LocatedRegression> locate_in_run(const ChangedKeys& keys, const Values& was, const Values& is) {
   std::optional<LocatedRegression> best;
   for (const KeyPair& key : keys.changed) {
@@ -347,8 +351,8 @@ bool is_within_tolerance(double was, double is, double percent) {
   return was == is || std::abs(is - was) <= percent / 100 * std::abs(was);
 }
 
-/// Compares the means of stored and new replicates. A stored value without replicates counts as one draw with the
-/// deviation of the new ones.
+/// Compares the mean of a value over new replicates with the stored mean. A value stored without replicates is a single
+/// sample with the standard deviation of the new ones.
 Moved compare_replicates(const std::string& path, const StoredRun& stored, const Draws& now) {
   const auto was = stored.draws.find(path);
   if (was != stored.draws.end()) {
@@ -431,13 +435,13 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
 
 namespace {
 
-/// Returns the name of the configuration group of a unit kind: "tni.trv" of "core.tni.trv".
+/// Returns the configuration group of a kind of unit: "tni.trv" of "core.tni.trv".
 std::string_view remove_core_prefix(std::string_view kind) {
   constexpr std::string_view kCore = "core.";
   return kind.starts_with(kCore) ? kind.substr(kCore.size()) : kind;
 }
 
-/// Returns the unit kind of a configuration group; empty if there is none or more than one.
+/// Returns the kind of unit that a configuration group configures; empty if there is none, or more than one.
 std::string_view kind_of_group(std::string_view group) {
   std::string_view inside;
   std::size_t kinds_inside = 0;
@@ -450,7 +454,7 @@ std::string_view kind_of_group(std::string_view group) {
   return kinds_inside == 1 ? inside : std::string_view();
 }
 
-/// Returns "dram.timing" of "dram.timing.rcd"; empty for a key without a group.
+/// Returns the group of a configuration key: "dram.timing" of "dram.timing.rcd". Empty for a key without a group.
 std::string_view group_of(std::string_view key) {
   const std::size_t dot = key.rfind('.');
   return dot == std::string_view::npos ? std::string_view() : key.substr(0, dot);
@@ -500,7 +504,7 @@ std::string changed_keys_text(const std::vector<KeyPair>& keys) {
   }
   std::string out;
   for (const std::string& unit : units) {
-    std::string_view shown;  // group of the previous line
+    std::string_view shown;  // group of the last printed key
     for (const KeyPair& key : keys) {
       if (unit_of_key(key.key) != unit) continue;
       const std::string_view group = group_of(key.key);
@@ -522,18 +526,18 @@ double value_or_zero(const Values& values, const std::string& path) {
   return found == values.end() ? 0 : found->second;
 }
 
-/// Returns the length of a clock cycle of a kind of unit, in T&I cycles.
+/// Returns the clock period of a kind of unit, in T&I cycles.
 double tni_cycles_per_cycle(const Values& values, std::string_view unit) {
   const double elapsed = value_or_zero(values, fmt::format("units.{}.elapsed", unit));
   return elapsed == 0 ? 0 : value_or_zero(values, "totals.cycles") / elapsed;
 }
 
-/// Cycles that a kind of unit spends with one cycle reason, in both runs.
+/// Time that units of a kind spent for one cycle reason, in the old and the new run.
 struct Move {
   std::string_view unit;
   std::string reason;
   sim::ReasonKind kind;
-  double was = 0, is = 0;  ///< T&I cycles of an average unit
+  double was = 0, is = 0;  ///< in T&I cycles, averaged over the units
   double difference() const { return is - was; }
 };
 
@@ -556,25 +560,26 @@ std::vector<Move> all_moves(const Values& was, const Values& is) {
   return out;
 }
 
-/// Returns the sum of a counter over all units of a kind.
+/// Returns the sum of a performance counter over all units of a kind.
 template <class Unit>
 double sum_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
   return value_or_zero(values, counter_path<Unit>(counter, kind));
 }
 
-/// Returns a counter of cycles in T&I cycles, summed over all units of the kind.
+/// Returns a counter of clock cycles, summed over all units of a kind and converted to T&I cycles.
 template <class Unit>
 double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
   return sum_of<Unit>(values, counter, kind) * tni_cycles_per_cycle(values, kind) *
          value_or_zero(values, fmt::format("units.{}.units", kind));
 }
 
-/// Lines requested by one level and served by the next, and their total time in T&I cycles, as counted by each level.
+/// Cache lines requested by one memory level and served by the next level. Each level has counted the total time of its
+/// requests, in T&I cycles.
 struct Traffic {
   double requested = 0, served = 0;
   double request_time = 0, service_time = 0;
-  /// Returns the time spent between the two levels. None if it would be negative, or if the next level also served
-  /// other requesters, whose time is only in `service_time`.
+  /// Returns the time that requests spent between the two levels. Returns nothing if the levels did not count the same
+  /// requests, because the lower level also served others, or if the time would be negative.
   std::optional<double> time_between() const {
     if (requested != served || request_time < service_time) return {};
     return request_time - service_time;
@@ -603,14 +608,14 @@ Traffic between_l2_and_memory(const Values& values) {
           .service_time = time_of<hw::DramChannel>(values, &Dram::read_latency)};
 }
 
-/// Miss time between two levels, in both runs.
+/// Time that misses spent between two memory levels, in the old and the new run.
 struct TrafficPath {
   const char* name;
   double was = 0, is = 0;
   double difference() const { return is - was; }
 };
 
-/// Returns the paths between memory levels whose time both runs counted.
+/// Returns the paths between memory levels whose time is known in both runs.
 std::vector<TrafficPath> traffic_paths(const Values& was, const Values& is) {
   std::vector<TrafficPath> out;
   const auto add = [&](const char* name, Traffic (*traffic)(const Values&)) {
@@ -622,21 +627,23 @@ std::vector<TrafficPath> traffic_paths(const Values& was, const Values& is) {
   return out;
 }
 
-/// Returns the time that misses waited in queues, which does not depend on the latency of the path.
+/// Returns the time that first-level misses waited in queues of the core port. It does not depend on the latency of the
+/// interconnect.
 double queue_time(const Values& values) {
   using Port = hw::CorePort;
   return time_of<Port>(values, &Port::Stats::request_wait, Port::kCachePort) +
          time_of<Port>(values, &Port::Stats::line_wait, Port::kCachePort);
 }
 
-/// Describes the cycles of a reason in both runs, in the unit's clock, summed over all units of the kind.
+/// Describes the cycles spent for one cycle reason in both runs, summed over all units of a kind, in the unit's own
+/// clock.
 std::string moved_text(const Values& was, const Values& is, std::string_view unit, const std::string& reason) {
   const std::string path = fmt::format("units.{}.why.{}", unit, reason);
   const double before = value_or_zero(was, path), after = value_or_zero(is, path);
   return fmt::format("why.{} {} -> {} cycles ({:+})", reason, before, after, after - before);
 }
 
-/// Change of the working time of a unit, and the cycle reason whose time changed most.
+/// Change of a unit's working time between two runs, and the cycle reason that changed most.
 struct Own {
   std::string_view unit;
   double difference = 0;
@@ -659,10 +666,11 @@ std::vector<Own> own_work(const std::vector<Move>& moves) {
 
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is) {
   const auto units = was.lower_bound("units.");
-  if (units == was.end() || !units->first.starts_with("units.")) return std::nullopt;  // counters of units are not kept
+  if (units == was.end() || !units->first.starts_with("units."))
+    return std::nullopt;  // the suite does not keep counters of units
   const std::vector<Move> moves = all_moves(was, is);
   const std::vector<Own> owns = own_work(moves);
-  constexpr double kNoticeable = 0.1;  // chosen: share of the largest other change
+  constexpr double kNoticeable = 0.1;  // minimum share of the largest other change; chosen by hand
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
   for (const Own& own : owns) all += std::abs(own.difference);

@@ -25,7 +25,7 @@ using Kind = sim::YamlNode::Kind;
 
 constexpr std::uint64_t kLargestSuite = 1 << 20;
 
-/// A key of a run, and the option that it sets.
+/// A key of a run in a suite file, and the option that it sets.
 struct RunKey {
   const char* name;
   std::string JobOptions::*option;
@@ -38,7 +38,7 @@ constexpr std::array<RunKey, 7> kRunKeys = {{{"config", &JobOptions::config},
                                              {"reference", &JobOptions::reference},
                                              {"resolution", &JobOptions::resolution}}};
 
-/// A YAML file whose errors have file, line and column.
+/// Reader of a YAML file. Its errors name file, line and column.
 class YamlFile {
  public:
   explicit YamlFile(const std::filesystem::path& file) : file_(file) {}
@@ -116,7 +116,7 @@ class SuiteReader : YamlFile {
     refuse(entry.key_at, entry.key,
            fmt::format("is unknown{}; allowed: {}", traces::did_you_mean(entry.key, known), fmt::join(known, ", ")));
   }
-  /// "exact", or "0.5 %".
+  /// Parses a tolerance, "exact" or "0.5 %", and returns it in percent.
   double percent_of(const Entry& entry) const {
     const std::string& text = text_of(entry);
     if (text == "exact") return 0;
@@ -127,7 +127,7 @@ class SuiteReader : YamlFile {
     return *percent;
   }
 
-  /// Returns the path of a file in the folder of the suite, if it exists; else the name.
+  /// Returns the path of the named file in the suite's folder, or `name` itself if there is no such file.
   std::string resolve_file(const std::string& name) const {
     const std::filesystem::path file = file_.parent_path() / name;
     std::error_code ignored;
@@ -185,13 +185,13 @@ class BaselineReader : YamlFile {
     if (runs == nullptr) refuse({}, "runs", "is missing");
     for (const Entry& entry : printable_entries(*runs)) {
       StoredRun& run = out.runs[entry.key] = read_run(entry);
-      run.facts.config.insert(common.begin(), common.end());  // keys of the run have priority
+      run.facts.config.insert(common.begin(), common.end());  // does not replace keys that the run has itself
     }
     return out;
   }
 
  private:
-  /// Refuses control characters, because the text is printed to terminals.
+  /// Throws InputError if a text has control characters, because it is printed to terminals.
   void check_printable(const std::string& text, sim::TextPosition position) const {
     if (sim::printable(text, std::string::npos) == text) return;
     refuse(position, {}, "holds text that is not printable; allowed: what 'raywatt baseline record' writes");
@@ -252,7 +252,7 @@ class BaselineReader : YamlFile {
   }
 };
 
-/// Returns the most frequent value of each key that all runs have.
+/// Returns the configuration keys that all runs have, with the most frequent value of each. The file stores these once.
 FlatConfig common_config(const Baseline& baseline) {
   std::map<std::string, std::map<std::string, std::size_t>> counts;
   for (const auto& [name, run] : baseline.runs) {
@@ -271,7 +271,7 @@ FlatConfig common_config(const Baseline& baseline) {
   return common;
 }
 
-/// Quotes a text unless YAML reads it unchanged.
+/// Returns a text as a YAML scalar, quoted if YAML would not read it unchanged.
 std::string yaml_scalar(const std::string& text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.:/ ";
   const bool plain = !text.empty() && text.find_first_not_of(kPlain) == std::string::npos && text.front() != ' ' &&
@@ -279,7 +279,7 @@ std::string yaml_scalar(const std::string& text) {
   return plain ? text : sim::double_quoted(text);
 }
 
-/// Returns the values by group, a line per group: "totals.rays: {primary: 2048, shadow: 2340}".
+/// Formats values as YAML with one line per group of report paths: "totals.rays: {primary: 2048, shadow: 2340}".
 std::string values_text(const Values& values) {
   std::map<std::string, std::vector<std::string>> groups;
   for (const auto& [path, value] : values) {

@@ -10,11 +10,11 @@
 
 namespace tools {
 
-/// A value of a report that a suite stores for each run.
+/// An entry of `keep` in a suite: report values that are stored for each run.
 struct Kept {
-  std::string text;    ///< report path, an unambiguous end of one, or a group
-  double percent = 0;  ///< tolerance, in percent of the stored value
-  std::string at;      ///< "file:line:column" of the entry
+  std::string text;    ///< path of a value, its unambiguous end, or a group of values
+  double percent = 0;  ///< tolerance of a check, in percent of the stored value
+  std::string at;      ///< position of the entry: "file:line:column"
 };
 
 struct SuiteRun {
@@ -22,7 +22,7 @@ struct SuiteRun {
   JobOptions options;
 };
 
-/// Small runs whose values are stored and checked.
+/// A regression suite: small simulations whose results are compared with stored results.
 struct Suite {
   std::filesystem::path file;
   std::filesystem::path values;  ///< file of the stored values
@@ -34,15 +34,15 @@ struct Suite {
 /// Reads a suite and the configurations of all its runs. Throws InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
 
-/// Origin of a run's values.
+/// Inputs of a run, which must be equal for its values to be comparable.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
   FlatConfig config;  ///< without the scene name, because files can be moved
 };
 
-/// Numbers of a report by path. Zeros are not stored.
+/// Numbers of a run's report, by report path. Numbers that are 0 are left out.
 using Values = std::map<std::string, double>;
-/// Statistics of the replicates of a run, by report path.
+/// Statistics over the replicates of a run, by report path.
 using StoredDraws = std::map<std::string, Draws>;
 
 struct StoredRun {
@@ -51,15 +51,15 @@ struct StoredRun {
   StoredDraws draws;  ///< empty if recorded without replicates
 };
 
-/// The stored values of a suite, a readable YAML file.
+/// The stored values of a suite, saved as a YAML file.
 struct Baseline {
   std::string embree;
   std::map<std::string, StoredRun> runs;
 };
 
-/// Reads stored values. Throws InputError if the file does not exist or is not a baseline.
+/// Reads the stored values of a suite. Throws InputError if the file does not exist or has another format.
 Baseline load_baseline(const std::filesystem::path& file);
-/// Returns the text of a baseline file, runs in the order of the suite.
+/// Returns stored values as the text of a YAML file, with runs in the order of the suite.
 std::string baseline_text(const Baseline& baseline, const Suite& suite);
 
 }  // namespace tools

@@ -57,14 +57,14 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Returns the conditions of a measurement, which must be equal for comparable metrics: scene, resolution and so on.
+/// Returns the conditions under which metrics are measured: scene, resolution and configuration.
 Json conditions_of(const Inputs& inputs) {
   return {{"scene", inputs.scene.name},
           {"resolution", {inputs.config.render.width, inputs.config.render.height}},
           {"config_hash", sim::config_hash(inputs.config)}};
 }
 
-/// Records the work of a frame as a trace in `folder`, opens it, and removes the file.
+/// Records the rays of a frame in a trace file in `folder`, opens it for replay and removes the file.
 std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOptions& options,
                                            const std::filesystem::path& folder, Progress& progress) {
   const std::filesystem::path file = folder / "a.trace";
@@ -80,7 +80,8 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
   return replay;
 }
 
-/// Measures rounds. A round measures everything once in turn, so that metrics are comparable under changing load.
+/// Measures one scene in rounds. A round measures each metric once, so that a changing load of the host affects all
+/// metrics alike.
 class RoundRunner {
  public:
   /// `scratch`: folder for temporary files.
@@ -112,7 +113,7 @@ class RoundRunner {
     add("steps_per_s", steps / all.wall_seconds);
     add("ns_per_step", 1e9 * timing / steps);
     add("timing_s_per_functional_s", timing / picture);
-    // Peak memory of whole runs, before anything else.
+    // Read after whole runs and before replays, which need other memory.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = record_trace(inputs_, options_, scratch_, progress_);
     replay_->go_to_first_frame();
@@ -150,13 +151,13 @@ class RoundRunner {
   Progress& progress_;
   double peak_mib_ = 0;
   std::unique_ptr<StoredFrames> replay_;
-  /// Settings of tile sampling; none if the program's tiles cannot be sampled.
+  /// Settings of tile sampling; empty if the frame program does not support it.
   std::optional<TileSampling> sampling_;
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };
 
-/// Measures a scene. `all`: the members that are common to all scenes.
+/// Measures a scene and returns its metrics. `all`: JSON members that all scenes share.
 Json measure_scene(const std::string& scene, const BenchOptions& options, Json all, const Json* other,
                    const std::filesystem::path& scratch) {
   BenchOptions own = options;
@@ -173,13 +174,14 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   return rounds.result_json();
 }
 
-/// Measures in a child process, so that peak memory is of this scene only. Exceptions of the child reach its main().
+/// Measures a scene in a child process, so that peak memory is that of this scene. The child's main() handles its
+/// exceptions.
 Json measure_in_child(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
-  constexpr int kGlanceMs = 100;  // wait in ms; limits how long an interrupt just before the wait is unnoticed
+  constexpr int kGlanceMs = 100;  // timeout in ms, because an interrupt just before poll() does not end it
   std::string text;
   int status = 0;
   {
-    const HoldInterrupts hold;  // until the folder is removed
+    const HoldInterrupts hold;  // an interrupt must not leave the folder behind
     const ScratchFolder scratch;
     ChildProcess child([&] { return sim::json_line(measure_scene(scene, options, all, other, scratch.folder())); });
     for (bool is_open = true; is_open && !is_interrupted();) {
@@ -240,13 +242,13 @@ namespace {
 
 constexpr std::uint64_t kLargestBench = 16 << 20;
 
-/// Returns the entry of a scene in a result of the benchmark, or null.
+/// Returns the entry of a scene in a benchmark result; null if there is none.
 const Json* find_scene(const Json& bench, const Json& name) {
   const auto found = std::ranges::find(bench["scenes"], name, [](const Json& scene) { return scene["scene"]; });
   return found != bench["scenes"].end() ? &*found : nullptr;
 }
 
-/// Converts a result of schema version 1, which had no metric for all threads, to version 2.
+/// Converts a benchmark result of schema raywatt-bench/1, which had no multi-threaded metric, to version 2.
 void convert_to_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
     for (const auto& [was, is] : {std::pair{"functional_rays_per_s", "recording_rays_per_s"},
@@ -260,7 +262,7 @@ void convert_to_version_2(Json& bench) {
   bench["schema"] = "raywatt-bench/2";
 }
 
-/// Returns the format error; empty if there is none.
+/// Returns what is wrong with the format of a benchmark result; empty if it is valid.
 std::string format_error(const Json& bench) {
   if (!bench.is_object() || !bench.contains("schema") || !bench["schema"].is_string()) return "has no 'schema'";
   const std::string schema = bench["schema"].get<std::string>();
@@ -281,7 +283,7 @@ std::string format_error(const Json& bench) {
   return {};
 }
 
-/// Returns the differences of a scene of two results: "resolution [64,32] instead of [32,32]".
+/// Returns the differences in conditions between two results of a scene: "resolution [64,32] instead of [32,32]".
 std::vector<std::string> find_differences(const Json& a, const Json& b, const Json& scene_a, const Json& scene_b) {
   std::vector<std::string> found;
   const auto differs = [](const Json& x, const Json& y, const char* key) {
@@ -298,12 +300,12 @@ std::vector<std::string> find_differences(const Json& a, const Json& b, const Js
   if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
   compare(a, b, "config");
   compare(a, b, "set");
-  // Other builds may compute the hash from other keys.
+  // Builds of other commits may compute the hash from other keys.
   if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
   return found;
 }
 
-/// Returns one result, with the median of each metric of each scene over several results.
+/// Merges several benchmark results into one with the median of each metric.
 Json merge_results(const std::vector<Json>& results) {
   Json out = results.front();
   for (Json& scene : out["scenes"]) {
@@ -326,7 +328,8 @@ std::string cell_text(const BenchMetric& metric, const Json& scene) {
   return metric.kind == BenchMetric::Kind::kRate ? sim::si_text(value) : fmt::format("{:.2f}", value);
 }
 
-/// Returns a table of the scenes' metrics followed by an empty line; empty if no scene has a metric of this table.
+/// Returns a table with one line per scene, followed by an empty line. Returns an empty text if no scene has a metric
+/// of this table.
 std::string metrics_table(const Json& bench, bool is_partial, bool compares) {
   std::vector<BenchMetric> columns;
   for (const BenchMetric& metric : bench_metrics()) {

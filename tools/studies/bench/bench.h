@@ -12,20 +12,20 @@ namespace tools {
 
 /// Options of `raywatt bench`.
 struct BenchOptions {
-  JobOptions job;  ///< `threads` is for the run with all threads
+  JobOptions job;  ///< `job.threads` applies to multi-threaded measurements only
   std::vector<std::string> scenes = {"cornell", "teapot"};
   std::uint32_t runs = 5;
-  std::filesystem::path saved_metrics;  ///< saved metrics, used instead of measuring; may be empty
-  std::filesystem::path against;        ///< metrics to compare with; may be empty
+  std::filesystem::path saved_metrics;  ///< file of saved metrics, used instead of measuring; empty: measure
+  std::filesystem::path against;        ///< file of metrics to compare with; empty: none
 };
 
-/// A metric of a scene: a key of the JSON, a column of a table.
+/// A benchmark metric that is measured for each scene: a key of the JSON output and a column of the table.
 struct BenchMetric {
   enum class Kind : std::uint8_t {
-    kRate,   ///< per second, and more is better
-    kTimes,  ///< more is better
-    kCost,   ///< less is better
-    kFact,   ///< does not depend on speed; not compared
+    kRate,   ///< a rate per second; more is better
+    kTimes,  ///< a factor; more is better
+    kCost,   ///< a cost; less is better
+    kFact,   ///< independent of speed; not compared
   };
   std::string name, header;
   Kind kind = Kind::kRate;
@@ -33,24 +33,26 @@ struct BenchMetric {
 };
 const std::vector<BenchMetric>& bench_metrics();
 
-/// Measures the scenes, each in its own process because peak memory never falls; schema raywatt-bench/2. Each metric is
-/// the median over `runs` rounds. If the process of a scene fails, this process exits with the same code. It exits
-/// before measuring if a scene is not comparable with `other`.
+/// Measures the speed of the simulator on each scene and returns JSON, schema raywatt-bench/2. Metrics are medians over
+/// `runs` rounds. Each scene has its own process, because peak memory never falls. If such a process fails, this
+/// process exits with the same code. A scene that is not comparable with `other` is an error before it is measured.
 sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = nullptr);
 
-/// Reads the output of `raywatt bench --json`; returns medians if there are several results. Throws InputError.
+/// Reads a file of `raywatt bench --json`. Several results in one file are merged to medians. Throws InputError for
+/// other contents.
 sim::Json load_bench(const std::filesystem::path& file);
 
-/// Throws InputError if a common scene has another frame, machine or number of threads, and with `require_common_scene`
-/// if there is no common scene. Members that one of them lacks, because of an older build, are not compared. `file`:
-/// path of `other`, for messages.
+/// Throws InputError if two benchmark results are not comparable: a common scene has another resolution, machine or
+/// number of threads. With `require_common_scene` also if they have no common scene. Keys that an older build did not
+/// write are ignored. `file`: path of `other`, for messages.
 void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
                       bool require_common_scene = true);
 
-/// Adds `against` to each scene that `other` also has: the factor by which each metric is better.
+/// Adds the member `against` to each scene of `bench` that `other` also has: the factor by which each metric is better.
 void compare_bench(sim::Json& bench, const sim::Json& other);
 
-/// Returns tables for a terminal: whole runs, then replays and samples, then the same compared, if there is `against`.
+/// Returns the results as tables for a terminal: first whole runs, then replays and sampled runs. With `against` both
+/// are repeated as factors.
 std::string bench_table(const sim::Json& bench);
 
 /// Returns the median of at least one value.

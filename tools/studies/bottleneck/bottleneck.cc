@@ -23,7 +23,7 @@ double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Of the time in which a T&I subunit holds rays, returns the share in which it waits for cache lines.
+/// Returns how much of the time in which a T&I subunit holds rays it waits for cache lines, as a share.
 template <class Unit>
 double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;
@@ -40,7 +40,7 @@ CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) 
           ratio_or_zero(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
 }
 
-/// Returns the statistics of the cycles of a run and its replicates.
+/// Returns the statistics of the cycle counts of a run and its replicates.
 Draws plays_of(const FrameResult& run) {
   std::vector<double> cycles = {static_cast<double>(run.cycles)};
   for (const FrameResult& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
@@ -51,7 +51,7 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // A ray inside the triangle unit is assumed to wait for the same share of time as that unit.
+  // Assumption: a ray in the intersection unit waits for the same share of time as the unit.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
   const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;

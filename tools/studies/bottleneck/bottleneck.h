@@ -11,7 +11,7 @@ namespace tools {
 
 class Progress;
 
-/// Cycles of a frame with one ideal resource.
+/// Cycles of a frame on a machine with one ideal resource: an upper bound of what improving this resource can gain.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
@@ -19,39 +19,41 @@ struct Bound {
   Draws plays{};             ///< cycles of all replicates
 };
 
-/// First-level caches of a kind in the configured run. `ideal.l1` makes all kinds ideal.
+/// Statistics of the first-level caches of one kind, summed over the machine, in the run as configured.
 struct CacheShare {
   std::string name;          ///< "node", "triangle", "data"
-  double hit_rate = 0;       ///< per probe
+  double hit_rate = 0;       ///< hits per probe
   double cycles_a_miss = 0;  ///< mean miss time, in cycles of the cache's clock
-  double share = 0;          ///< share of the time of the cores that waits for its misses
+  double share = 0;          ///< share of core time spent waiting for misses of this kind
 };
 
-/// The bottleneck of a frame, estimated from the counters of one run and measured by runs with ideal resources.
+/// The bottleneck of a frame, first estimated from performance counters and then measured by runs with ideal resources.
 struct Bottleneck {
   std::uint64_t cycles = 0;
-  std::string limiter;  ///< description of the limiter
+  std::string limiter;  ///< description of the estimated bottleneck
   CoreTime time;
-  std::string named;  ///< resource with the largest estimate
+  std::string named;  ///< resource with the largest estimated speed-up
   std::vector<Bound> bounds;
   std::vector<CacheShare> caches;
   Draws plays{};             ///< cycles of all replicates of the configured run
-  double assumed_noise = 0;  ///< default_noise() of cycles, used without replicates
+  double assumed_noise = 0;  ///< noise of `cycles` that is assumed without replicates (default_noise())
   std::vector<std::string> warnings{};
   double speedup_of(const Bound& bound) const {
     return static_cast<double>(cycles) / static_cast<double>(bound.cycles);
   }
 };
 
-/// Speed-up and its noise: of means of replicates, or of single runs with the assumed noise.
+/// Speed-up by an ideal resource, with its noise. Computed from the means of replicates, or from single runs and the
+/// assumed noise.
 struct NoisySpeedup {
   double value = 1;
-  double half_width = 0;  ///< half of its 95 % interval
-  bool outside = false;   ///< the speed-up differs from 1 by more than the noise
+  double half_width = 0;  ///< half-width of its 95 % interval
+  bool outside = false;   ///< true: the speed-up differs from 1 by more than its noise
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 
-/// Simulates the first frame as configured, and once with each resource ideal. Throws InputError, sim::Deadlock.
+/// Simulates the first frame once as configured and once for each resource with that resource ideal. Throws InputError,
+/// sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

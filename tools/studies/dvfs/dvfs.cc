@@ -25,7 +25,7 @@ namespace tools {
 namespace {
 
 constexpr double kHzPerMhz = 1e6;
-/// Tolerance of the period for rounding.
+/// Relative tolerance for rounding when a frame time is compared with the period.
 constexpr double kPeriodRounding = 1e-9;
 
 void check_domains(const std::vector<std::string>& names) {
@@ -69,16 +69,16 @@ void choose_points(DvfsCurve& curve, double period_ms) {
 
 namespace {
 
-/// Clocks are searched until neighbouring points are this close.
+/// Ratio of neighbouring clock factors below which the search stops.
 constexpr double kFactorStep = 1.005;
 
-/// Adds the factor between two points, unless they are close.
+/// Adds the geometric mean of the clock factors of points `i` and `k` to `out`, unless the points are close.
 void add_between(const DvfsCurve& curve, std::size_t i, std::size_t k, std::vector<double>& out) {
   const double low = curve.points[i].factor, high = curve.points[k].factor;
   if (high / low > kFactorStep) out.push_back(std::sqrt(low * high));
 }
 
-/// Points of a frame at any clocks.
+/// Records a frame once and simulates it at different clock frequencies.
 class ClockScan {
  public:
   ClockScan(const Inputs& inputs, const DvfsOptions& options, Progress* progress)
@@ -127,7 +127,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::ranges::sort(factors);
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   JobOptions job = options.job;
-  job.sets.emplace_back("power.voltage=dvfs");  // each clock has the voltage that it needs
+  job.sets.emplace_back("power.voltage=dvfs");  // every frequency has its own voltage
   job.sets.insert(job.sets.begin(), "frame.start=warm");
   const Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);

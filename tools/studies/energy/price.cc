@@ -28,20 +28,20 @@ namespace {
 using sim::Json;
 namespace fs = std::filesystem;
 
-/// A value that differs between two tables; "none" if a table lacks it.
+/// A value that differs between two energy tables; "none" if a table lacks it.
 struct TableChange {
   std::string name, from, to;
 };
 
-/// A run priced under two tables.
+/// The energy of a run under its own energy tables and under new ones.
 struct Priced {
   std::string run;                                          ///< path of the run or sweep
-  std::string n{};                                          ///< number of the point of a sweep
+  std::string n{};                                          ///< number of the point, for a point of a sweep
   std::vector<std::pair<std::string, std::string>> axes{};  ///< axis names and values of the point
   sim::Json own, repriced;                                  ///< energy_totals_json()
   std::vector<TableChange> changes;
-  std::size_t plays = 1;                  ///< replicates of the run; the first is priced
-  std::vector<std::string> extrapolated;  ///< sizes outside of the curves of the new table
+  std::size_t plays = 1;                  ///< number of replicates of the run, of which the first is priced
+  std::vector<std::string> extrapolated;  ///< sizes for which the new table is extrapolated
 };
 
 constexpr double kJoulesPerPicojoule = 1e-12;
@@ -61,7 +61,7 @@ std::string changes_text(const std::vector<TableChange>& changes) {
   return out;
 }
 
-/// Returns notes on the reliability of the values.
+/// Returns notes on the reliability of the repriced energies.
 std::string notes_text(const std::vector<Priced>& runs) {
   std::set<std::size_t> plays;
   std::set<std::string> extrapolated;
@@ -105,7 +105,7 @@ std::string run_text(const Priced& run) {
   return out + notes_text({run});
 }
 
-/// Columns of the table of points, as paths in the totals.
+/// Columns of the table of sweep points, as paths in energy_totals_json().
 constexpr std::array kColumns = {"energy_mj.low",   "energy_mj.nominal",         "energy_mj.high",
                                  "power_w.nominal", "perf.frames_per_joule_gpu", "perf.frames_per_joule_tni"};
 
@@ -124,7 +124,7 @@ std::vector<std::string> axes_of(const std::vector<Priced>& runs) {
   return axes;
 }
 
-/// Returns the values of the axes of a run; empty for axes that it does not have.
+/// Returns the run's value on each axis of `axes`; empty for axes that it does not have.
 std::vector<std::string> axis_cells(const Priced& run, const std::vector<std::string>& axes) {
   std::vector<std::string> cells;
   for (const std::string& axis : axes) {
@@ -152,7 +152,7 @@ std::string points_text(const std::vector<Priced>& points) {
                      table.text(), notes_text(points));
 }
 
-/// Returns text for a terminal: each run, or a table of the points of a sweep.
+/// Formats energies for a terminal: a text for each run, a table for each sweep.
 std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
   std::string out;
   for (const std::vector<Priced>& group : groups) {
@@ -162,7 +162,7 @@ std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
   return out;
 }
 
-/// Returns CSV with a line per run; numbers have all digits.
+/// Formats energies as CSV with one line per run and all digits of the numbers.
 std::string priced_csv(const std::vector<Priced>& runs) {
   const std::vector<std::string> axes = axes_of(runs);
   std::vector<std::string> header = {"run", "n"};
@@ -183,7 +183,7 @@ std::string priced_csv(const std::vector<Priced>& runs) {
   return out;
 }
 
-/// Returns JSON, schema raywatt-price/1.
+/// Formats energies as JSON, schema raywatt-price/1.
 std::string priced_json(const std::vector<Priced>& runs) {
   Json out = {{"schema", "raywatt-price/1"}, {"runs", Json::array()}};
   for (const Priced& run : runs) {
@@ -237,7 +237,7 @@ std::vector<TableChange> table_changes(const RunConfig& from, const RunConfig& t
   return out;
 }
 
-/// Returns energy_totals_json(), and with a target rate the power at it.
+/// Returns the energy totals of a run. With a target frame rate they include the power at that rate.
 Json priced_totals(const PricedRun& run) {
   Json totals = energy_totals_json(run.energy(), run.work());
   if (const double fps = run.config().frame.fps; fps > 0) {

@@ -10,8 +10,9 @@ namespace tools {
 
 enum class PriceFormat : std::uint8_t { kText, kCsv, kJson };
 
-/// Returns the energies of runs (folders or report.json files) and sweeps, priced with `table` and with the table of
-/// each run. Points without a result are counted on standard error. Throws InputError if a run cannot be priced.
+/// Returns the energy of runs and sweeps under the tables of `table` and under each run's own tables. `paths`: run
+/// folders, report.json files and sweep folders. Points of a sweep without a result are counted on standard error.
+/// Throws InputError if a run cannot be priced.
 std::string price_text(const std::vector<std::filesystem::path>& paths, const PriceTable& table, PriceFormat format);
 
 }  // namespace tools

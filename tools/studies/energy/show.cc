@@ -36,7 +36,7 @@ constexpr std::string_view kEvents = "energy.events.";
 /// Origin (file and line, or option) of each configuration value, by its full key.
 using Origins = std::map<std::string, std::string>;
 
-/// Returns the YAML comment on a line of `text`, without "source:".
+/// Returns the YAML comment on line number `line` of `text`, without "source:".
 std::string comment_of(const std::string& text, int line) {
   std::size_t begin = 0;
   for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
@@ -50,7 +50,8 @@ std::string comment_of(const std::string& text, int line) {
 /// Returns the text after the last dot of a path.
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-/// Collects the origin of each configuration value. A later file or setting overrides an earlier one.
+/// Collects the origin of each configuration value. Files and settings are added in order, and later ones override
+/// earlier ones.
 class Layers {
  public:
   Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
@@ -65,7 +66,7 @@ class Layers {
                 [&](int line) { return fmt::format("{}  ({}:{})", comment_of(text, line), path.string(), line); });
   }
 
-  /// Adds "KEY=VALUE". A value in braces sets several keys.
+  /// Adds an option --set, "KEY=VALUE". A value in braces sets several keys.
   void add_set(const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string value = text.substr(equals + 1), origin = "--set " + text;
@@ -99,7 +100,7 @@ class Layers {
     }
   }
 
-  /// Adds the tables of the process, once. Of several `process` settings the outermost one counts.
+  /// Adds the tables of the semiconductor process, once. Of several `process` settings the outermost one counts.
   void add_process(const fs::path& folder) {
     if (is_process_added_) return;
     is_process_added_ = true;
@@ -154,7 +155,7 @@ std::string kind_of(const std::string& path) {
   return out;
 }
 
-/// Returns for each energy event the names of the counters that count it.
+/// Returns, for each energy event, the performance counters that count it.
 std::map<std::string, std::set<std::string>> counters_by_event(const std::vector<sim::UnitReport>& units) {
   std::map<std::string, std::set<std::string>> out;
   for (const sim::UnitReport& unit : units) {
@@ -165,7 +166,7 @@ std::map<std::string, std::set<std::string>> counters_by_event(const std::vector
   return out;
 }
 
-/// Finds the counters and units that use an entry of the energy tables.
+/// Finds the performance counters and hardware units whose energy is computed from an entry of the energy tables.
 class Users {
  public:
   explicit Users(const RunConfig& config)
@@ -190,7 +191,7 @@ class Users {
     const auto found = counters_.find(event);
     return found == counters_.end() ? std::set<std::string>{} : found->second;
   }
-  /// Returns the kinds of unit that use an entry. Units without an entry of their own use the entry of their block.
+  /// Returns the kinds of unit that use an entry. A unit without an entry of its own uses the entry of its area block.
   std::set<std::string> unit_kinds_using(const std::string& entry) const {
     std::map<std::string, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -203,7 +204,7 @@ class Users {
     for (const auto& [kind, count] : kinds) out.insert(fmt::format("{} units {}", count, kind));
     return out;
   }
-  /// Returns the kinds of unit that contain the hardware part of an entry, with the number of these parts per unit.
+  /// Returns the kinds of unit that contain the hardware described by an entry, with its number per unit.
   std::set<std::string> unit_kinds_containing(const std::string& entry) const {
     std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -218,7 +219,7 @@ class Users {
     }
     return out;
   }
-  /// Returns the energy events of the DRAM that change with the value called `name`.
+  /// Returns the energy events of the DRAM that depend on the entry `name`.
   std::set<std::string> dram_events_using(const std::string& name) const {
     RunConfig changed = config_;
     for (EnergyEntry& entry : energy_entries(changed)) {
@@ -243,14 +244,14 @@ std::string band_text(const sim::Band& s, const std::string& unit) {
   return (unit.empty() ? band : band + " " + unit) + (s.low == s.high ? "  (no band)" : "");
 }
 
-/// Returns the size in bytes from the name of a curve's point ("cache.l1_read@16KiB"); 0 if the name has no size.
+/// Returns the size in bytes in the name of an energy value, "cache.l1_read@16KiB"; 0 if there is none.
 double size_of(const EnergyEntry::Figure& figure) {
   const std::size_t at = figure.name.find('@');
   if (at == std::string::npos) return 0;
   return static_cast<double>(sim::read_quantity(figure.name.substr(at + 1), sim::byte_units()));
 }
 
-/// Returns the exponent of energy over size between each two neighbouring points of a curve, as text.
+/// Describes how an energy grows with size: the exponent between each two neighbouring sizes of its curve.
 std::string curve_text(const EnergyEntry& entry) {
   std::vector<std::string> steps;
   for (auto a = entry.figures.begin(), b = std::next(a); b != entry.figures.end(); ++a, ++b) {
@@ -268,7 +269,8 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
-/// Formats the origin of a value: a line for the file or option that sets it, and a line for each factor applied to it.
+/// Formats the origin of a value: one line for the file or option that sets it, then one for each factor that scales
+/// it.
 std::string printable_lines(const std::string& text) {
   std::string out;
   for (std::size_t begin = 0; begin <= text.size();) {
@@ -296,7 +298,7 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
   return out;
 }
 
-/// Adds all names of an entry and its groups: each contiguous part of its path.
+/// Adds all names that select an entry: each contiguous part of its path.
 void add_names(const EnergyEntry& entry, std::set<std::string>& known) {
   const std::string name = entry.name + ".";
   for (std::size_t begin = 0; begin < name.size(); begin = name.find('.', begin) + 1) {

@@ -6,11 +6,12 @@
 
 namespace tools {
 
-/// Describes entries of the energy tables of a configuration: bands, curves over size, sources, and counters that use
-/// them. `name`: an entry, the end of one, or a group; empty: all. Throws InputError if no entry matches.
+/// Describes entries of a configuration's energy tables: low, nominal and high value, dependence on size, source, and
+/// counters that use the entry. `name`: an entry, the end of its path, or a group; empty: all entries. Throws
+/// InputError if no entry matches.
 std::string describe_energy_entries(const JobOptions& options, const std::string& name);
 
-/// Returns the shortest names of all entries that describe_energy_entries() accepts.
+/// Returns the names of all entries of the energy tables, in the shortest form that describe_energy_entries() accepts.
 std::vector<std::string> energy_entry_names(const JobOptions& options);
 
 }  // namespace tools

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kTolerance = 0.02;
 
-/// The words for a relation, and its test of a measured against an expected value.
+/// The text of a relation, and its test of a measured against an expected value.
 struct RelationRule {
   const char* words;
   bool (*holds)(double measured, double expected);

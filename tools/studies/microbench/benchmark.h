@@ -9,35 +9,35 @@
 
 namespace tools {
 
-/// A value measured on a part of the machine, and the value that a closed form predicts.
+/// A value measured on a simulated part of the machine, and the value that a formula predicts.
 struct Measurement {
-  /// Relation between measured and expected value that must hold.
+  /// Relation between measured and expected value that the benchmark checks.
   enum class Relation : std::uint8_t {
     kExactly,
-    kClosely,  ///< the values differ by at most 2 %
-    kNearly,   ///< the measured value is 90 % to 100 % of the closed form
-    kAtMost,   ///< the closed form is an upper bound, with 2 % tolerance for start and end
-    kAtLeast,  ///< the closed form is a lower bound
+    kClosely,  ///< both values differ by at most 2 %
+    kNearly,   ///< the measured value is 90 % to 100 % of the expected one
+    kAtMost,   ///< the expected value is an upper bound, with 2 % tolerance for start and end
+    kAtLeast,  ///< the expected value is a lower bound
   };
   std::string name;
   std::string unit;
   double measured = 0;
   double expected = 0;
   Relation holds = Relation::kExactly;
-  std::string remark{};  ///< e.g. the bottleneck
+  std::string remark{};  ///< text after the values, e.g. the bottleneck
 
   bool is_good() const;
   /// Returns the difference of measured and expected value, divided by the expected value; 0 if both are equal.
   double relative_error() const;
 };
 
-/// Results of a benchmark.
+/// Results of a microbenchmark.
 struct Findings {
   std::string title;
   std::vector<Measurement> measurements;
   std::vector<std::string> notes{};  ///< printed below the table
-  std::string table{};               ///< replaces the table of all measurements
-  std::string printed{};             ///< replaces all other output
+  std::string table{};               ///< printed instead of the table of all measurements; may be empty
+  std::string printed{};             ///< printed instead of all other output; may be empty
 
   bool is_good() const;
 };
@@ -46,22 +46,22 @@ struct Findings {
 struct UpperBound {
   double value = 0;
   std::string_view by;
-  bool reached = true;  ///< false: waiting, which the closed form ignores, keeps the rate below the bound
+  bool reached = true;  ///< false: waiting, which the formula ignores, keeps the rate below the bound
 
   /// Returns the relation that a measurement must have to the bound.
   Measurement::Relation required_relation() const {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest bound. The result is marked as not reached if another such bound is less than 1.5 times as
-/// large.
+/// Returns the smallest of several upper bounds. It counts as not reached if another such bound is less than 1.5 times
+/// as large.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
 std::string findings_table(const Findings& findings);
 /// Returns the findings as JSON, schema raywatt-microbench/1.
 std::string findings_json(std::string_view benchmark, const Findings& findings);
 
-/// The machine and the options of a benchmark.
+/// The machine and the options of a microbenchmark.
 struct BenchmarkJob {
   JobOptions machine;
   bool json = false;
@@ -74,7 +74,7 @@ struct BenchmarkJob {
   std::string refresh = "on";
 };
 
-/// An option of a benchmark on the command line.
+/// A command-line option of a microbenchmark.
 struct BenchmarkOption {
   using Member = std::variant<bool BenchmarkJob::*, std::uint32_t BenchmarkJob::*, std::string BenchmarkJob::*,
                               std::vector<std::string> BenchmarkJob::*>;
@@ -86,7 +86,7 @@ struct BenchmarkOption {
   int most = 0;                      ///< largest number; the smallest is 1
 };
 
-/// A benchmark of `raywatt microbench`. All have the option --json.
+/// A benchmark of `raywatt microbench`. Every benchmark also has the option --json.
 struct Benchmark {
   const char* name;
   const char* meaning;
@@ -98,15 +98,16 @@ struct Benchmark {
 /// Returns the option --json.
 BenchmarkOption json_option();
 
-/// Returns the configured machine without ideal resources.
+/// Returns the configuration of the machine with all `ideal` settings switched off.
 RunConfig machine_without_ideals(const JobOptions& job);
-/// Returns a copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
+/// Returns one copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
 std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job);
 
-/// Returns the mean rate per second between the first and the last tenth of these times (in fs, in any order).
+/// Returns the mean rate of events per second, without the first and the last tenth of them. `moments`: times of the
+/// events in fs, in any order.
 double steady_rate(std::vector<std::uint64_t> moments);
 
-// Each benchmark measures a part of the machine alone and compares it with closed forms.
+// Each benchmark simulates a part of the machine alone and compares it with formulas.
 Benchmark chase_benchmark();
 Benchmark bandwidth_benchmark();
 Benchmark mshr_benchmark();

@@ -115,7 +115,7 @@ using sim::Json;
 
 double ns_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
 
-/// Latency statistics, in ns.
+/// Latency statistics of DRAM requests, in ns.
 struct Latencies {
   static constexpr std::array<const char*, 6> kNames = {"min", "p50", "p90", "p99", "max", "mean"};
   std::array<double, 6> values{};
@@ -125,7 +125,7 @@ struct Latencies {
     if (all.empty()) return;
     double sum = 0;
     for (const double ns : all) sum += ns;
-    const auto rank = [&](double part) {  // nearest rank
+    const auto rank = [&](double part) {  // percentile by the nearest-rank method
       const auto nth = all.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(count))) - 1;
       std::ranges::nth_element(all, nth);
       return *nth;
@@ -140,7 +140,7 @@ struct Latencies {
   }
 };
 
-/// The results of a simulated stream of DRAM requests.
+/// The results of simulating a stream of DRAM requests.
 struct Result {
   const hw::DramConfig& config;
   const hw::DramRun play;
@@ -265,7 +265,7 @@ void add(Findings& findings, const std::string& prefix, const std::vector<hw::Dr
     findings.measurements.push_back({prefix + f.name, f.unit, f.measured, f.expected, relation_of(f.agreement)});
 }
 
-/// Returns the energy of a channel of each grade in configs/dram.
+/// Returns the energy of one DRAM channel for each grade in configs/dram.
 Findings energies_of_grades(const BenchmarkJob& job) {
   Findings findings{"energy of a channel of each grade", {}};
   for (const JobOptions& of_grade : jobs_with_all_dram_grades(job.machine)) {

@@ -6,9 +6,9 @@
 
 namespace tools {
 
-/// Reads the requests of a stream file, or of standard input if `file` is "-". A line is a hexadecimal address, R or W,
-/// and optionally the earliest time in ns. Empty lines and comments after # are ignored. An InputError has file and
-/// line.
+/// Reads DRAM requests from a text file, or from standard input if `file` is "-". A line has a hexadecimal address, R
+/// or W, and optionally the earliest time in ns. Empty lines and comments after # are ignored. Throws InputError with
+/// file and line.
 std::vector<hw::DramRequest> load_dram_stream(const std::string& file);
 
 }  // namespace tools

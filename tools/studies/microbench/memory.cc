@@ -20,18 +20,19 @@
 
 namespace tools {
 
-/// A client that reads lines through a first-level cache: one probe per cycle while an MSHR is free.
+/// A test client that reads cache lines in order through a first-level cache, with one probe per cycle while an MSHR is
+/// free.
 ///
-///   reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
+///  reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
 ///
-/// Reads of the same line must not overlap: waiters of a line are not stored.
+/// Reads of the same line must not overlap in time, because only one read can wait for a line.
 class Reader {
  public:
   struct Read {
     hw::Addr line = 0;
     sim::Time earliest = 0;
-    sim::Time probed = 0;   ///< time of the probe of the cache
-    sim::Time arrived = 0;  ///< time of the data; equal to `probed` for a hit
+    sim::Time probed = 0;   ///< time at which the cache is probed
+    sim::Time arrived = 0;  ///< time at which the data arrive; equal to `probed` for a hit
   };
 
   Reader(sim::Clock clock, const hw::CacheConfig& cache, std::uint16_t source, sim::Link<hw::MemRequest>& out,
@@ -42,7 +43,7 @@ class Reader {
   const std::vector<Read>& timed_reads() const { return reads_; }
   bool done() const { return finished_ == reads_.size(); }
 
-  // For the engine.
+  // Called by the engine.
   const sim::Clock& clock() const { return clock_; }
   sim::Time tick(sim::Time now) {
     if (in_.can_pop(now)) {
@@ -62,7 +63,7 @@ class Reader {
   void read_next(sim::Time now) {
     Read& read = reads_[next_];
     read.probed = now;
-    // The cache stores the number of the read in place of the cycle of its miss.
+    // The cache stores a cycle per miss; here that is the index of the read, which the fill returns.
     if (l1_.access_line(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
       read.arrived = now;
       finished_ += 1;
@@ -78,10 +79,10 @@ class Reader {
   std::size_t next_ = 0, finished_ = 0;
 };
 
-/// The level at which a read finds its line.
+/// The memory level at which a read finds its line; for DRAM the state of the bank.
 enum class Level : std::uint8_t { kL2, kRowOpen, kBankClosed, kOtherRow };
 
-/// Closed forms of latencies and rates of the memory side without contention.
+/// Formulas for latencies and rates of the memory system without contention.
 class MemoryForms {
  public:
   explicit MemoryForms(const hw::GpuConfig& config)
@@ -91,22 +92,22 @@ class MemoryForms {
         l2_(config.clocks.l2.clock()),
         dram_(config.dram.timing.ck.time) {}
 
-  /// Returns the time at which the line of a miss at `probed` arrives: wire, port, interconnect, bank, and back. Each
-  /// clock crossing is rounded up to the next edge.
+  /// Returns the time at which the line arrives of a read that missed at `probed`. Its path is wire, port,
+  /// interconnect, bank and back. Each clock crossing is rounded up to the next edge.
   sim::Time line_return_time(sim::Time probed, Level level) const {
     const sim::Time at_bank = cross_clocks(probed, tni_, 1, l2_) + c_.interconnect.latency * l2_.period();
     const sim::Time answered = level == Level::kL2 ? at_bank + c_.l2.cache.hit_cycles * l2_.period()
                                                    : fill_time(at_bank, level) + l2_.period();
     return cross_clocks(answered + c_.interconnect.latency * l2_.period(), l2_, 1, tni_);
   }
-  /// Returns the mean time that a miss occupies an MSHR of the L2, in fs, over all clock phases.
+  /// Returns the time that a miss occupies an MSHR of the L2, in fs, averaged over all clock phases.
   double l2_mshr_time(Level level) const {
     sim::Time sum = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) sum += fill_time(i * l2_.period(), level) - i * l2_.period();
     return static_cast<double>(sum) / kRounds;
   }
 
-  // Upper bounds, in lines per second.
+  // Upper bounds of the line rate, in lines per second.
   UpperBound port_rate(std::uint32_t cores) const {
     const auto cycles = static_cast<double>(c_.interconnect.cycles_of(c_.l2.cache.line.bytes));
     return {cores * per_second(l2_) / cycles, "core ports"};
@@ -115,8 +116,9 @@ class MemoryForms {
   UpperBound l2_mshrs(Level level) const {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Returns the bound due to `count` MSHRs of a first-level cache, which each handle one miss after the other.
-  /// MSHRs start in consecutive cycles, so their clock phases differ. With two clocks MSHRs may also delay each other.
+  /// Returns the bound due to `count` MSHRs of a first-level cache. Each MSHR handles one miss after the other. MSHRs
+  /// start in consecutive cycles, so their clock phases differ. The bound is not reached if the clocks of T&I and L2
+  /// differ.
   UpperBound l1_mshr_rate(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
@@ -128,8 +130,8 @@ class MemoryForms {
     }
     return {rate * count / starts, "L1 miss registers", tni_ == l2_};
   }
-  /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle;
-  /// a slot of the wire is free again when the client sees that the port has taken its request.
+  /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle.
+  /// A slot of the wire is free again when the client sees that its request was taken.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
@@ -154,7 +156,7 @@ class MemoryForms {
     const sim::Time there = at + cycles * from.period();
     return from == to ? there : to.edge_at_or_after(there + c_.clocks.synchroniser * to.period());
   }
-  /// Returns the time at which the line is in the bank, after a lookup at `at_bank`.
+  /// Returns the time at which the L2 bank has the line of a miss that it looks up at `at_bank`.
   sim::Time fill_time(sim::Time at_bank, Level level) const {
     const sim::Time arrived = cross_clocks(at_bank + c_.l2.lookup_cycles * l2_.period(), l2_, 1, dram_);
     const double device = level == Level::kRowOpen      ? dram_forms_.row_hit_latency()
@@ -178,7 +180,7 @@ struct CacheInClock {
   const hw::CacheConfig& cache;
 };
 
-/// Returns the first-level caches of a core.
+/// Returns the first-level caches of a core with their clocks.
 std::vector<CacheInClock> first_level_caches(const hw::GpuConfig& config) {
   const sim::Clock tni = config.clocks.tni.clock();
   std::vector<CacheInClock> all(config.tni.trvs, {tni, config.tni.trv.l1});
@@ -189,11 +191,11 @@ std::vector<CacheInClock> first_level_caches(const hw::GpuConfig& config) {
 
 }  // namespace
 
-/// The memory side of a machine with a Reader for every first-level cache. Readers of a core: one per traversal unit,
-/// one for the intersection unit, one for the shader core.
+/// The memory system of a machine, with a Reader for every first-level cache. A core has one Reader per traversal unit,
+/// one for the intersection unit and one for the shader core.
 class MemorySide {
  public:
-  /// `config` must outlive it.
+  /// `config` must outlive this object.
   explicit MemorySide(const hw::GpuConfig& config)
       : clients_(config.tni.trvs + 2),
         machine_(config.clocks.synchroniser),
@@ -214,10 +216,10 @@ class MemorySide {
 
   Reader& reader_of(std::uint32_t core, std::uint32_t client) { return *readers_[core * clients_ + client]; }
   const std::vector<Reader*>& all_readers() const { return readers_; }
-  /// Simulates all reads. Throws sim::Deadlock if they do not end.
+  /// Simulates all reads. Throws sim::Deadlock if they never end.
   void run() { sim::run(*this); }
 
-  // For the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return std::ranges::all_of(readers_, [](const Reader* reader) { return reader->done(); });
@@ -232,10 +234,10 @@ class MemorySide {
 
 namespace {
 
-constexpr std::uint32_t kPhases = 20;  // start times in consecutive cycles, to cover all clock phases
+constexpr std::uint32_t kPhases = 20;  // number of start times, in consecutive cycles, to cover all clock phases
 
-/// Returns the first line after line 0 that is in the same channel and bank as line 0: in the same row if `same_row`,
-/// else in another row.
+/// Returns the first address after 0 in the same DRAM channel and bank as address 0. `same_row`: in the same row, else
+/// in another one. Returns nothing if there is none.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::DramMap map(dram);
   const hw::DramAddress first = map.address_of(0);
@@ -250,7 +252,7 @@ std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   return std::nullopt;
 }
 
-/// Measures single reads, with pauses so that the memory is idle before each.
+/// Measures the latency of single reads. Before each read the memory is idle.
 class Chase {
  public:
   explicit Chase(const hw::GpuConfig& config)
@@ -290,9 +292,9 @@ class Chase {
   }
 
  private:
-  /// Reads the lines in order. Adds the latency of the last read to `measurement`, from the probe of the L1 to its
-  /// data. `neighbour_first`: another client reads the last line first. `level`: memory level that answers the last
-  /// read; without it, the L1.
+  /// Reads `lines` in order and adds the latency of the last read to `measurement`, from the probe of the L1 to the
+  /// data. `neighbour_first`: another client reads the last line first. `level`: memory level that serves the last
+  /// read; empty: the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);
@@ -330,9 +332,9 @@ Benchmark chase_benchmark() {
 namespace {
 
 constexpr std::uint32_t kLines = 40'000;
-constexpr std::uint32_t kLineBits = 22;  // random lines have addresses of this many bits
+constexpr std::uint32_t kLineBits = 22;  // number of address bits of random lines
 
-/// Permutes the numbers below 2^kLineBits: the bits are folded and multiplied, twice.
+/// Returns a pseudo-random permutation of the numbers below 2^kLineBits.
 std::uint32_t scatter_line(std::uint32_t i) {
   constexpr std::uint32_t kMask = (1U << kLineBits) - 1;
   for (const std::uint32_t odd : {0x2c1b3c6dU, 0x297a2d39U}) {
@@ -342,7 +344,8 @@ std::uint32_t scatter_line(std::uint32_t i) {
   return i ^ i >> (kLineBits / 2);
 }
 
-/// Returns the bandwidth of a stream of lines that all readers of all cores share, interleaved.
+/// Returns the measured bandwidth in GB/s of reading consecutive or random lines. The readers of all cores share one
+/// stream of lines, interleaved.
 double measured_gbps(const hw::GpuConfig& config, bool random) {
   MemorySide side(config);
   const auto readers = static_cast<std::uint32_t>(side.all_readers().size());
@@ -402,9 +405,10 @@ Benchmark bandwidth_benchmark() {
 namespace {
 
 constexpr std::uint32_t kMissedLines = 8000;
-constexpr sim::Time kWarm = sim::kFemtosecondsPerSecond;  // start of the measurement, after the L2 is warm
+constexpr sim::Time kWarm =
+    sim::kFemtosecondsPerSecond;  // time at which the measurement starts; the L2 is warm by then
 
-/// Returns the greatest number of misses per cycle that the cache of one traversal unit sustains.
+/// Returns the measured rate of misses per cycle that the L1 of one traversal unit sustains.
 double measured_rate(const hw::GpuConfig& config, bool in_l2) {
   MemorySide side(config);
   const std::uint64_t line = config.l2.cache.line.bytes;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array<std::array<std::uint32_t, 2>, 5> kSizes = {{{2, 2}, {4, 2}, {4, 4}, {8, 4}, {8, 8}}};
 
-/// Returns an array of another size, with the same shares of units that multiply and divide, and the same ports.
+/// Returns a shader core whose array has another size. The shares of units that multiply and divide stay the same.
 hw::SrpConfig resize_array(hw::SrpConfig srp, std::uint32_t rows, std::uint32_t columns) {
   const std::uint32_t before = srp.array.unit_count(), units = rows * columns;
   srp.array.rows = rows;
@@ -94,9 +94,9 @@ namespace {
 using kernels::GraphNode;
 using kernels::Op;
 
-constexpr std::uint64_t kItems = 1024;  // a multiple of every number of banks
+constexpr std::uint64_t kItems = 1024;  // number of loop items; a multiple of every number of banks
 
-/// Returns a kernel that reads a record of each of two arrays and writes a record of a third.
+/// Returns a kernel that reads one record from each of two arrays and writes one to a third.
 kernels::Graph copy_kernel(std::uint32_t record_bytes) {
   kernels::Graph graph{"records", {}};
   const auto add = [&](GraphNode node) {
@@ -122,7 +122,8 @@ kernels::Graph copy_kernel(std::uint32_t record_bytes) {
   return graph;
 }
 
-/// Returns the cycles per item that a running loop loses to bank conflicts, counted access by access over many items.
+/// Returns the cycles per loop item that a kernel loses to bank conflicts, found by simulating the accesses of many
+/// items one by one.
 double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
   struct Access {
     std::uint64_t first_word, words, start;
@@ -147,7 +148,7 @@ double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Grap
         {arrays.at(node.label) + p.part, words(node), p.start, constant ? &graph.nodes[index] : nullptr});
   }
   const std::uint64_t full =
-      (schedule.depth / schedule.ii + banks) / banks * banks;  // items until the pipeline is full
+      (schedule.depth / schedule.ii + banks) / banks * banks;  // number of items until the pipeline is full
   std::uint64_t lost = 0;
   std::vector<std::uint32_t> in_bank(banks);
   for (std::uint64_t cycle = full * schedule.ii; cycle < (full + kItems) * schedule.ii; ++cycle) {

@@ -19,13 +19,13 @@
 namespace tools {
 namespace {
 
-/// A leaf of a ray's traversal: its first triangle, and the phase in which each triangle test ends.
+/// A leaf that a ray visits: its first triangle, and for each triangle the phase in which its test ends.
 struct Leaf {
   std::uint32_t first = 0;
   std::vector<traces::ExitPhase> exits;
 };
 
-/// A ray through `visits` nodes, each with one hit child, and then a leaf if it has tests. It never pushes to the
+/// A ray through `visits` nodes with one hit child each, and then one leaf if it has tests. The ray never pushes to its
 /// stack.
 struct StraightRay {
   std::uint32_t visits = 1;
@@ -48,13 +48,14 @@ struct StraightRay {
   }
 };
 
-/// Closed forms of a T&I unit whose lines are all in its L1s, in cycles.
+/// Formulas for latencies and rates, in cycles, of a T&I unit whose accesses all hit in its L1s.
 class TniForms {
  public:
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which the result of a test with this exit is known.
+  /// Returns the stage of the intersection pipeline after which the result of a triangle test with this exit phase is
+  /// known.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:
@@ -66,8 +67,8 @@ class TniForms {
     }
     return tni_.ist.latency;
   }
-  /// Returns the number of cache lines read for the first `triangles` triangles of a leaf, one line per cycle. A line
-  /// shared by two triangles is read twice.
+  /// Returns the cycles to read the first `triangles` triangles of a leaf, at one cache line per cycle. A line shared
+  /// by two triangles is read twice.
   std::uint32_t lines_read(const Leaf& leaf, std::uint32_t triangles) const {
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < triangles; ++i) {
@@ -79,33 +80,34 @@ class TniForms {
   std::uint32_t lines_read(const Leaf& leaf) const {
     return lines_read(leaf, static_cast<std::uint32_t>(leaf.exits.size()));
   }
-  /// Returns the cycles of a single leaf in an idle unit, from its arrival to its answer.
+  /// Returns the latency of a single leaf in an idle intersection unit, from its arrival to its answer.
   std::uint32_t leaf_time(const Leaf& leaf) const {
     std::uint32_t known = 0;
     for (std::uint32_t i = 0; i < leaf.exits.size(); ++i)
       known = std::max(known, lines_read(leaf, i + 1) - 1 + tni_.ist.l1.hit_cycles + exit_stage(leaf.exits[i]));
     return known;
   }
-  /// Returns the cycles of a single ray in an idle unit, from its arrival at a traversal unit to its end.
+  /// Returns the latency of a single ray in an idle T&I unit, from its arrival at a traversal unit to its end.
   std::uint32_t ray_time(const StraightRay& ray) const {
     const std::uint32_t pass = tni_.trv.l1.hit_cycles + tni_.trv.box_latency;
     const std::uint32_t to_ist_and_back = tni_.trv.leaf_latency + leaf_time(ray.leaf) + 1;
     return box_passes(ray) * pass + (ray.leaf.exits.empty() ? 0 : to_ist_and_back);
   }
 
-  /// Returns the leaves per cycle of a busy intersection unit. It is round robin, so that all leaves inside end within
-  /// one round. If a round is shorter than the rest of the pipeline, the unit idles until the first leaf ends.
+  /// Returns the throughput of a busy intersection unit, in leaves per cycle. Round robin makes all leaves in the unit
+  /// end in the same round. If a round is shorter than the rest of the pipeline, the unit idles until the first leaf
+  /// ends.
   UpperBound leaves_per_cycle(const Leaf& leaf) const {
     const std::uint32_t round = tni_.ist.leaves, rest = leaf_time(leaf) - lines_read(leaf) + 2;
     const std::uint32_t idle = rest > round ? rest - round : 0;
     return {double(round) / (round * lines_read(leaf) + idle), idle == 0 ? "intersection" : "leaves inside"};
   }
-  /// Returns the upper bound of rays per cycle through the whole unit.
+  /// Returns the upper bound of the throughput of the whole T&I unit, in rays per cycle.
   UpperBound rays_per_cycle(const StraightRay& ray) const {
     const auto tests = static_cast<std::uint32_t>(ray.leaf.exits.size());
     // One box tester: boxes and leaves share a pipe. Two: the box pipe and the leaf pipe work in parallel.
     const std::uint32_t busy = tni_.trv.box_testers == 1 ? box_passes(ray) + tests : std::max(box_passes(ray), tests);
-    // A slot is occupied from dispatch to collection, a cycle of wire each way.
+    // A ray slot is occupied from dispatch to collection, which adds a cycle of wire in each direction.
     const std::uint32_t taken = ray_time(ray) + 2;
     std::vector<UpperBound> bounds = {{double(tni_.trvs) / busy, "traversal"},
                                       {double(tni_.trvs) * tni_.trv.rays / taken, "rays inside", false},
@@ -129,7 +131,7 @@ class TniForms {
 
 constexpr std::uint32_t kRays = 12'000;
 
-/// Identical rays for the unit under test, and the times of their results.
+/// Identical rays for the T&I unit under test, and the times at which their results arrived.
 struct EqualRays {
   std::vector<std::uint32_t> steps;
   std::vector<sim::Time> hits{};
@@ -138,14 +140,14 @@ struct EqualRays {
   void note_returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 
-/// A T&I unit whose lines are all in its caches, with both ends of its interface.
+/// Testbench of a T&I unit whose caches always hit: sends identical rays and receives their results.
 class TniHarness {
  public:
   TniHarness(const hw::GpuConfig& config, std::uint32_t triangle_bytes, const StraightRay& ray)
       : clock_(config.clocks.tni.clock()), equal_{ray.walk_steps()} {
     const sim::UnitId source = machine_.unit({"rays", clock_});
     hw::TniCore tni(machine_, config.tni, {.l1 = true}, 0, clock_);
-    std::vector<hw::MemoryPort> memory;  // never used
+    std::vector<hw::MemoryPort> memory;  // required but not used, as caches always hit
     for (const hw::MemoryClient& client : tni.memory_clients()) {
       memory.push_back({machine_.link<hw::MemRequest>(1, 1, client.unit, client.unit),
                         machine_.link<hw::MemResponse>(1, 1, client.unit, client.unit)});
@@ -154,14 +156,14 @@ class TniHarness {
                                         {{}, {0, triangle_bytes}}, memory);
   }
 
-  /// Returns the measured rays per cycle of the unit while it is busy.
+  /// Returns the measured throughput of the busy unit, in rays per cycle.
   double rays_per_cycle() {
     sim::run(*this);
     return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /
            static_cast<double>(sim::kFemtosecondsPerSecond);
   }
 
-  // For the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const { return source_->is_done(); }
 
@@ -216,7 +218,7 @@ constexpr std::uint32_t kLeaves = 4000;
 constexpr std::array kExits = {ExitPhase::kDistance, ExitPhase::kBarycentric, ExitPhase::kHit};
 constexpr std::array kExitNames = {"distance", "barycentric", "hit"};
 
-/// An intersection unit whose lines are all in its cache, and a source that sends equal leaves.
+/// Testbench of an intersection unit whose cache always hits: a source sends identical leaves.
 class IstHarness {
  public:
   IstHarness(const RunConfig& config, const Leaf& leaf, std::uint32_t leaves)
@@ -239,7 +241,7 @@ class IstHarness {
   const sim::Clock& clock() const { return clock_; }
   sim::UnitReport unit_report() const { return machine_.report().front(); }
 
-  // For the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const { return source_.answered.size() == source_.leaves; }
 
@@ -280,7 +282,7 @@ class IstHarness {
   Source& source_;
 };
 
-/// Returns the energy of all events of a unit, in pJ.
+/// Returns the energy of all counted events of a unit, in pJ.
 double counted_pj(const sim::UnitReport& unit, const sim::EnergyTable& table) {
   double pj = 0;
   for (const sim::CounterReport& counter : unit.counters) {
@@ -290,7 +292,8 @@ double counted_pj(const sim::UnitReport& unit, const sim::EnergyTable& table) {
   return pj;
 }
 
-/// Returns the energy of a leaf with one triangle, in pJ: buffer write and read, a line, the phases, the answer.
+/// Returns the expected energy in pJ of testing a leaf with one triangle: leaf buffer, cache line, test phases and
+/// answer.
 double leaf_pj(ExitPhase exit, std::uint64_t cache_bytes, const sim::EnergyTable& table) {
   double pj = 0;
   for (const char* event :
@@ -310,7 +313,7 @@ void add_exits(const RunConfig& config, Findings& found) {
     const auto name = [&](const char* what) { return fmt::format("{}, exit: {}", what, kExitNames[i]); };
 
     const IstHarness lone(config, one, 1);
-    // includes two cycles of wire
+    // the measured time includes two cycles of wire
     const auto cycles = static_cast<double>(lone.clock().cycles(lone.answer_times().front()));
     found.measurements.push_back({name("a lone test"), "cycles", cycles - 2, double(forms.leaf_time(one))});
 
@@ -330,7 +333,7 @@ void add_exits(const RunConfig& config, Findings& found) {
 /// Number of triangle tests that ended in each of the phases kExits.
 using Exits = std::array<std::uint64_t, 3>;
 
-/// Returns the number of triangle tests by exit phase, from the counters of all intersection units.
+/// Counts triangle tests by exit phase from the performance counters of all intersection units.
 Exits exits_from_counters(const std::vector<sim::UnitReport>& units) {
   using Stats = hw::Ist::Stats;
   const Units<hw::Ist> ists(units);
@@ -338,7 +341,7 @@ Exits exits_from_counters(const std::vector<sim::UnitReport>& units) {
   return {ists.counted(&Stats::tests) - edge_tests, edge_tests - hits, hits};
 }
 
-/// Returns the number of triangle tests by exit phase, from the traversals of all rays that the program records.
+/// Counts triangle tests by exit phase from the recorded traversals of all rays of a frame program.
 Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const kernels::RateMap rates(inputs.config.programs.multirate);
   const auto program = kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render,
@@ -360,7 +363,7 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
   return exits;
 }
 
-/// Adds to `found` the number of early exits in a scene, and the cycles and energy that they save.
+/// Measures early exits in a scene: adds to `found` their number and the cycles and energy that they save.
 void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);

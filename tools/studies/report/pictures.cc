@@ -60,14 +60,14 @@ Json page_number(double value) {
   return std::round(value * scale) / scale;
 }
 
-/// Returns the side of the smallest squares that divide a picture into at most `max_squares` squares.
+/// Returns the side in pixels of the smallest squares of which at most `max_squares` cover a picture.
 std::uint32_t square_for(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
   std::uint32_t square = 1;
   while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > max_squares) ++square;
   return square;
 }
 
-/// Returns the values of a column; throws InputError if the table does not have it.
+/// Returns the values of a column of tiles.json. Throws InputError if the table does not have it.
 const std::vector<double>& tile_column(const TileFrame& tiles, const char* name) {
   const TileColumn* const column = tiles.find(name);
   if (column == nullptr) throw sim::InputError(fmt::format("{} has no {} of its tiles", kTilesFile, name));
@@ -155,19 +155,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPixelsFile = "pixels.exr";
-constexpr std::size_t kMostPixels = 1 << 19;  ///< pixels of an overlay; larger ones are averaged over squares
+constexpr std::size_t kMostPixels = 1 << 19;  ///< maximum pixels of an overlay; larger ones are averaged over squares
 constexpr std::size_t kAnyPixels = std::numeric_limits<std::size_t>::max();
-// Bytes of data: URLs of a page. A frame of 2048x1024 then makes at most 6 MB.
+// Limits in bytes of data: URLs. They keep the page of a 2048x1024 frame below 6 MB.
 /// Limit for the picture, its pixel overlays and debug pictures together.
 constexpr std::uint64_t kLargestPictures = 3'900'000;
 constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
 
-/// Overlays of a picture. Tiles: {id, name, tile, unit, values, low, high}. Pixels: {id, name, pixels, step, unit, low,
-/// high, scale}.
+/// Overlays of a picture as JSON for the page. Overlay of tiles: {id, name, tile, unit, values, low, high}. Overlay of
+/// pixels: {id, name, pixels, step, unit, low, high, scale}.
 struct Overlays {
   Json grids = Json::array();
   std::uint64_t pixel_bytes = 0;  ///< size of the data: URLs of pixel overlays
-  Json times;                     ///< {side, begin_us, end_us, core} of tiles; null if unknown
+  Json times;                     ///< times and cores of tiles, {side, begin_us, end_us, core}; null if unknown
   std::string missing;            ///< reasons for missing overlays
 };
 
@@ -177,7 +177,8 @@ const Json& first_frame_of(const ReportFile& report) {
   return frames != report.json.end() && frames->is_array() && !frames->empty() ? frames->front() : kNone;
 }
 
-/// Returns the first dispatch, the last finish and the core of each tile, in us. Tiles without a row are null.
+/// Returns for each tile the times of its first dispatch and last finish, in us, and its core. Times of tiles without a
+/// row are null.
 Json times_of(const TileGrid& grid, const TileFrame& tiles, double us_per_cycle) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const std::vector<double>&begin = tile_column(tiles, "dispatched"), &end = tile_column(tiles, "finished"),
@@ -212,8 +213,8 @@ void add_tiles(const ReportFile& report, Overlays& out) {
   if (cycles > 0) out.times = times_of(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
 }
 
-/// Adds two overlays of a frame with adaptive sampling: for each tile the share of similar samples and the side of its
-/// blocks.
+/// Adds two overlays of a frame with adaptive sampling. They show for each tile the share of similar samples and the
+/// side of its sampling blocks.
 void add_samples(const ReportFile& report, Overlays& out) {
   const sim::JsonPointer pointer("/sampling/tiles");
   const Json& frame = first_frame_of(report);
@@ -238,7 +239,8 @@ void add_samples(const ReportFile& report, Overlays& out) {
   add("blocks", "sampling rate: side of a tile's blocks", "blocks", 1, 4);
 }
 
-/// Returns a channel of pixels.exr, averaged over squares, as a PNG whose red and green are the high and low byte.
+/// Returns the overlay of one channel of pixels.exr, averaged over squares of pixels. Its picture is a PNG whose red
+/// and green are the high and low byte of the value.
 Json pixel_overlay(const traces::FloatImage& image, std::size_t channel, std::uint32_t square, const char* id,
                    const std::string& name) {
   const std::uint32_t width = (image.width + square - 1) / square, height = (image.height + square - 1) / square;
@@ -283,7 +285,7 @@ void add_pixels(const ReportFile& report, Overlays& out) {
   add(2, "pixel-tests", "triangle tests of a pixel");
 }
 
-/// Returns the overlays of the first frame, from tiles.json, pixels.exr and the report.
+/// Reads the overlays of a run's first frame from tiles.json, pixels.exr and the report.
 Overlays overlays_of(const ReportFile& report) {
   Overlays out;
   const auto add_missing = [&](const std::string& sentence) {
@@ -310,7 +312,8 @@ Overlays overlays_of(const ReportFile& report) {
   return out;
 }
 
-/// Returns the debug pictures of the first frame by name; not those that also have an .exr of values.
+/// Returns name and file of each debug picture of the first frame. Pictures that also have their values as .exr are
+/// left out.
 std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const ReportFile& report) {
   const std::string of_first = fmt::format("frame-{:04.0f}-debug-", report.number("frames[0].frame"));
   std::vector<std::pair<std::string, fs::path>> found;
@@ -329,7 +332,7 @@ std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const ReportFile
   return found;
 }
 
-/// Debug pictures of a page: {name, picture}.
+/// Debug pictures of a page, as JSON: {name, picture}.
 struct DebugPictures {
   Json list = Json::array();
   std::uint64_t bytes = 0;

@@ -81,7 +81,7 @@ Json unit_kinds_json() {
   return out;
 }
 
-/// Returns what limits the initiation interval of a kernel.
+/// Returns the name of the resource that limits the initiation interval of a kernel.
 std::string bound_of(const hw::KernelSchedule& s, const hw::ArrayConfig& array) {
   using hw::OpClass;
   if (s.rec_mii >= s.ii) return "values from item to item";
@@ -122,8 +122,8 @@ bool is_small(const sim::Band& pj, const sim::Band& total) {
          pj.high < kSmallShare * total.high;
 }
 
-/// Returns the links of the energy diagram: from the total to blocks, and from each block to its events, its clock and
-/// its leakage. Standby of the memory is moved from leakage to an event.
+/// Returns the links of the energy flow diagram. Links go from the total to each block, and from a block to its events,
+/// its clock and its leakage. Standby energy of the memory counts as an event, not as leakage.
 Json energy_flow(const PricedRun& run) {
   const sim::EnergyReport energy = run.energy();
   const auto device = hw::dram_energy_events(run.config().gpu->dram);
@@ -154,7 +154,7 @@ Json energy_flow(const PricedRun& run) {
   return out;
 }
 
-/// Returns the series of the first frame over time, without those that are always 0.
+/// Returns the metrics of the first frame over time, without those that are always 0.
 Json series_json(const ReportFile& report) {
   if (!RunIntervals::has_intervals(report)) return {{"note", "This run has no intervals of time."}};
   try {
@@ -182,7 +182,7 @@ Json series_json(const ReportFile& report) {
   }
 }
 
-/// Returns what the page of a run shows: its report, and what the page's script cannot derive from it.
+/// Returns the data of a page about a run: its report, and data that the page's script cannot compute from it:
 ///   title, command; report (of `frames` only what the page lists)
 ///   unit_kinds   [{name, reasons: [{name, kind, meaning}]}]
 ///   resources    words by name, e.g. {"l1": "first-level caches"}
@@ -226,9 +226,9 @@ std::string run_title(const ReportFile& report) {
 namespace {
 
 constexpr std::uint64_t kLargestPicture = 64 << 20;
-constexpr std::uint32_t kCell = 16;  ///< side of a cell of the picture's difference map, in pixels
+constexpr std::uint32_t kCell = 16;  ///< side of the squares in which pictures are compared, in pixels
 
-/// Two runs and their names.
+/// Two runs that a page compares, and their names.
 struct Difference {
   const ReportFile &a, &b;
   std::string name_a, name_b;
@@ -250,8 +250,8 @@ TileFrame first_tile_frame(const ReportFile& report, const std::string& name) {
   throw sim::InputError(fmt::format("{} of {} has no frames", kTilesFile, name));
 }
 
-/// Adds a grid for each tile metric that differs, the second run minus the first. `note`: metrics that do not differ,
-/// or why tiles are not compared.
+/// Adds an overlay with the difference by tile for each tile metric that differs between two runs. `note` is set to the
+/// metrics that are equal, or to the reason that tiles are not compared.
 void add_tile_differences(const Difference& d, Json& grids, std::string& note) {
   const double width = d.a.number("resolution[0]"), height = d.a.number("resolution[1]");
   try {
@@ -302,7 +302,7 @@ Picture read_picture(const ReportFile& report) {
           data_url("image/png", bytes)};
 }
 
-/// Returns the mean absolute difference of the channels of each cell, in 8-bit steps.
+/// Returns the mean absolute difference of two pictures in each square of kCell pixels, in 8-bit steps.
 std::vector<double> cell_differences(const traces::Texture& a, const traces::Texture& b) {
   const std::uint32_t columns = (a.width + kCell - 1) / kCell, rows = (a.height + kCell - 1) / kCell;
   std::vector<double> sums(std::size_t{columns} * rows), counts(sums.size());
@@ -321,7 +321,7 @@ std::vector<double> cell_differences(const traces::Texture& a, const traces::Tex
   return sums;
 }
 
-/// Returns the page's data of the pictures of two runs: both pictures, and grids of their differences.
+/// Returns the picture data of a page that compares two runs: both pictures, and overlays of their differences.
 Json pictures_json(const Difference& d) {
   const auto size = [](const ReportFile& report) {
     return std::pair{report.number("resolution[0]"), report.number("resolution[1]")};
@@ -364,11 +364,11 @@ Json pictures_json(const Difference& d) {
   return out;
 }
 
-/// Returns what the page of several runs shows, each run but the first compared with the first.
+/// Returns the data of a page about several runs, which compares each with the first:
 ///   names, titles   of all runs
 ///   against         entries of comparison_json() (schema raywatt-compare/1)
 ///   warnings        a list per entry
-///   pictures        per entry the block of both pictures and of differences by tile; `missing`: why there are none
+///   pictures        both pictures and their differences for each entry; `missing`: reason that there are none
 Json diff_data(const std::vector<ReportFile>& reports) {
   const std::vector<std::string> names = short_names(reports);
   std::vector<Comparison> against;
@@ -389,10 +389,10 @@ Json diff_data(const std::vector<ReportFile>& reports) {
 
 namespace fs = std::filesystem;
 
-/// Text within the first bytes of a page by which this program recognises its own pages.
+/// Text near the start of a page that marks it as written by this program.
 constexpr std::string_view kPageMark = "<meta name=\"generator\" content=\"raywatt report\">";
 
-/// Scripts and style of all pages, made by tools/report_page.
+/// Scripts and style sheet of all pages, built by tools/report_page.
 struct Bundle {
   std::string script;     ///< draws the page
   std::string libraries;  ///< third-party code, loaded after the first paint
@@ -402,7 +402,7 @@ struct Bundle {
 constexpr std::uint64_t kLargestScript = 16 << 20;
 constexpr std::string_view kPicture = "data:image/png;base64,";
 
-/// Replaces characters by other text.
+/// Returns a text in which certain characters are replaced by other text.
 std::string escape_text(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> replacements) {
   std::string out;
   for (const char c : text) {
@@ -416,12 +416,12 @@ std::string escape_text(std::string_view text, std::initializer_list<std::pair<c
   return out;
 }
 
-/// Returns JSON for a script element: no text in it can end the element or begin a comment.
+/// Returns JSON that is safe inside an HTML script element: it cannot end the element or begin a comment.
 std::string json_for_html(const Json& json) {
   return escape_text(sim::json_line(json), {{'<', "\\u003c"}, {'>', "\\u003e"}, {'&', "\\u0026"}});
 }
 
-/// Returns a source expression for a content security policy, which allows only a script or style with this text.
+/// Returns an entry of a content security policy. It allows only a script or style whose hash is that of `text`.
 std::string hash_source(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
   SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());
@@ -429,8 +429,8 @@ std::string hash_source(std::string_view text) {
   return fmt::format("'sha256-{}'", url.substr(url.find(',') + 1));
 }
 
-/// Moves pictures from a page's data into a list and replaces each by its index there. A picture is stored once, and
-/// the page is drawn before pictures are decoded.
+/// Moves pictures from a page's data into a list and replaces each by its index. Each picture is then stored once, and
+/// the page can be drawn before pictures are decoded.
 void move_pictures(Json& node, Json& pictures) {
   if (node.is_structured()) {
     for (Json& child : node) move_pictures(child, pictures);
@@ -465,12 +465,13 @@ void check_inline(const Bundle& bundle) {
   check(bundle.style, "page.css", "</style");
 }
 
-/// Escapes text for HTML.
+/// Returns a text with special HTML characters escaped.
 std::string html_text(std::string_view text) {
   return escape_text(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
 }
 
-/// Loads the bundle from where the program is installed or was built. Throws InputError if it does not exist.
+/// Loads the scripts and style sheet of pages from the installation or the build folder. Throws InputError if they do
+/// not exist.
 Bundle load_bundle() {
   std::vector<std::string> tried;
   for (const fs::path& folder : bundle_folders()) {
@@ -489,8 +490,8 @@ Bundle load_bundle() {
                   fmt::join(tried, ", ")));
 }
 
-/// Returns the page as one file with data, script, style and pictures. It fetches nothing, and its content security
-/// policy allows only the bundle's scripts, by hash.
+/// Returns a page as one HTML file that contains data, scripts, style and pictures. It loads nothing from the network.
+/// Its content security policy allows only the bundle's scripts, by hash.
 std::string page_html(const Bundle& bundle, const std::string& kind, const std::string& title, Json data) {
   check_inline(bundle);
   Json pictures = Json::array();

@@ -19,28 +19,29 @@ struct Options {
   bool force = false;
 };
 
-/// Writes the page of a run, several runs or a sweep. Throws InputError for other folders, for a mixture of kinds, and
-/// for an output that may not be replaced.
+/// Writes an HTML page about one run, several runs, or a sweep. Throws InputError for other folders, for a mixture of
+/// these, and for an output file that may not be replaced.
 void write_report_page(const Options& options);
 
-/// Returns the title of a run: "chess, 1024x512, full:1".
+/// Returns the title of a run's page: "chess, 1024x512, full:1".
 std::string run_title(const ReportFile& report);
 
-/// Returns the picture block of a run with its overlays and debug pictures, or {missing: reason}.
+/// Returns a run's picture with overlays and debug pictures for a page, or {missing: reason}.
 sim::Json run_picture(const ReportFile& report);
 
-/// True if the folder is that of a sweep or a search.
+/// True if the folder has the results of a sweep or of a search.
 bool is_sweep(const std::filesystem::path& folder);
 
-/// Returns what the page of a sweep or a search shows, from the results so far.
+/// Returns the data of a page about a sweep or a search, from the results so far:
 ///   name, question; goals: texts of a search
 ///   axes            [{field, levels}], levels in ascending order
 ///   metrics         [{field, name, show, unit, more}]; more: more is better
 ///   points          [[n, status, axes..., metrics..., is_eligible, error, command], ...]
 ///   has_constraints, limits: [[constraint, met, best value, its 95 % interval, room], ...]
 ///   headlines       fields of the metrics that headlines show, the main one first
-///   best            rows of the best points, by metric; ties: words on ties with the best of the main metric
-///   start           {x, y, front, near}: metrics and front of the scatter; null without metrics
+///   best            row of the best point of each metric; ties: text on points that tie with the best in the main
+///   metric
+///   start           {x, y, front, near}: metrics and Pareto front of the scatter plot; null without metrics
 ///   sensitivities   [{metric, points, is_grid, effects: [{axis, share, low, high, range, levels}]}]
 ///   notices         warnings
 sim::Json sweep_data(const std::filesystem::path& folder);
@@ -48,34 +49,36 @@ sim::Json sweep_data(const std::filesystem::path& folder);
 /// Returns bytes as a data: URL.
 std::string data_url(std::string_view mime, std::string_view bytes);
 
-/// Returns a picture file as a data: URL. A picture of more than `max_pixels` pixels is averaged over squares. Nothing
-/// if the file does not exist or is not a picture.
+/// Returns a picture file as a data: URL. A picture with more than `max_pixels` pixels is reduced by averaging squares.
+/// Returns nothing if the file does not exist or is not a picture.
 std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels);
 
-/// The grid of tiles of a picture, numbered row by row. `tile_of_row` has the tile of each row of tiles.json.
+/// The tiles of a picture as a grid, numbered row by row. `tile_of_row` has the tile number of each row of tiles.json.
 struct TileGrid {
   double side = 0;
   std::size_t columns = 0, rows = 0;
   std::vector<std::size_t> tile_of_row;
   std::size_t size() const { return columns * rows; }
 };
-/// Returns the grid of tiles of a picture of this size. Throws InputError if the table has no tile positions, or a tile
-/// outside of the picture.
+/// Returns the tile grid of a picture. Throws InputError if the table has no tile positions, or a tile outside the
+/// picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
-/// A metric of a tile: the sum of columns of tiles.json minus another column, over all rows of the tile.
+/// A metric that pages show for each tile: the sum of some columns of tiles.json minus another column. A tile with
+/// several rows has the sum of its rows.
 struct TileMetric {
   const char *id, *words, *unit;
   std::vector<const char*> columns;
   const char* minus = nullptr;
   double scale = 1;
 };
-/// Metrics that pages draw over pictures.
+/// Returns the tile metrics that pages can draw over a picture.
 const std::vector<TileMetric>& tile_metrics();
 
-/// Returns the metric of each tile of the grid; throws InputError if the table lacks a column.
+/// Returns the value of a metric for each tile of the grid. Throws InputError if the table lacks a column.
 std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
-/// Returns numbers for a page: integers exactly, others with five digits, null for values that are not finite.
+/// Returns numbers as JSON for a page: integers exactly, others with five digits. Values that are not finite become
+/// null.
 sim::Json page_numbers(const std::vector<double>& values);
 
 }  // namespace tools::pages

@@ -31,7 +31,7 @@ constexpr std::size_t kLongestText = 4000;
 constexpr const char* kHeadlines[] = {"totals.perf.frames_per_joule_gpu", "totals.perf.fps", "totals.energy_mj.nominal",
                                       "totals.power_w.nominal", "totals.cycles"};
 
-/// A metric that the page of a sweep shows. `show`: format in which the page's script prints it.
+/// A metric that the page of a sweep shows. `show`: number format used by the page's script.
 struct Metric {
   std::string path, words;
   const char* show = "number";
@@ -55,7 +55,7 @@ const std::vector<Metric> kUsualMetrics = {{"totals.perf.fps", "frame rate", "nu
                                            {"totals.relative.speedup", "speed against reference", "number", "×"},
                                            {"totals.traced_ratio", "samples traced", "percent"}};
 
-/// Returns the task of a search. A sweep's file has another schema, and none is returned.
+/// Reads the task of a search from its folder. Returns nothing for a sweep, whose file has another schema.
 std::optional<optimise::Task> task_in(const fs::path& folder) {
   try {
     return optimise::read_task(folder / "sweep.yaml");
@@ -72,7 +72,7 @@ std::string question_in(const fs::path& folder) {
   }
 }
 
-/// A sweep or a search and its results.
+/// A sweep or a search with its results, and the data of its page.
 class Sweep {
  public:
   Sweep(const fs::path& folder, const results::Results& results)
@@ -133,7 +133,7 @@ class Sweep {
   }
   const std::vector<results::Row>& index_rows() const { return results_.rows(); }
 
-  /// Returns the full path of a metric; empty if no point has it.
+  /// Returns the full report path of a metric; empty if no point has it.
   std::string resolve_metric(const std::string& name) const {
     try {
       return results::Objective(results_, name).column.name;
@@ -159,7 +159,7 @@ class Sweep {
     values_.push_back(results::column_of_means(results_, metric.path));
     metrics_.push_back(std::move(metric));
   }
-  /// Finds the points that may be best or on the front: those with results that meet all constraints.
+  /// Marks the points that may be best or on the Pareto front: those with results that meet all constraints.
   void find_eligible() {
     for (const results::Row& row : index_rows()) done_.push_back(row.is_done());
     eligible_ = done_;
@@ -178,7 +178,7 @@ class Sweep {
     const auto found = std::ranges::find(metrics_, path, &Metric::path);
     return found == metrics_.end() ? nullptr : &*found;
   }
-  /// Appends the metrics with these paths to `list`, except those that it already contains or that no point has.
+  /// Appends the metrics with these report paths to `list`, without duplicates and without metrics that no point has.
   void add_metrics_at(const auto& paths, std::vector<const Metric*>& list) const {
     for (const auto& path : paths) {
       const Metric* const metric = metric_at(path);
@@ -197,8 +197,8 @@ class Sweep {
     const Metric* const usual = metric_at(kHeadlines[0]);
     return usual != nullptr || metrics_.empty() ? usual : &metrics_.front();
   }
-  /// Returns the best eligible point of a metric. Ties are broken by goals and headline metrics, so that the point is
-  /// on the front.
+  /// Returns the row of the best eligible point in a metric. Goals and headline metrics break ties, so that the point
+  /// is on the Pareto front.
   std::optional<std::size_t> best_row(const Metric& metric) const {
     std::vector<const Metric*> order = {&metric};
     add_metrics_at(goal_paths_, order);
@@ -274,7 +274,8 @@ class Sweep {
     }
     return out;
   }
-  /// Returns for each constraint how many points meet it, and the best point's value, 95 % interval and distance.
+  /// Returns for each constraint the number of points that meet it, and the best point's value, 95 % interval and
+  /// distance to the limit.
   Json limits_json(std::optional<std::size_t> best) const {
     Json out = Json::array();
     const std::vector<std::size_t> done = done_rows();
@@ -297,7 +298,8 @@ class Sweep {
     }
     return out;
   }
-  /// "; 3 points tie with it (...)", as `sweep best` finds them.
+  /// Returns a note on the points that tie with the best one, as `sweep best` finds them: "; 3 points tie with it
+  /// (...)".
   std::string ties_text(const Metric& metric, std::size_t best) const {
     const std::vector<std::size_t> candidates = candidates_of(metric);
     const results::FigureNoise noise(results_, results_.column(metric.path), candidates);
@@ -309,8 +311,8 @@ class Sweep {
                                    : fmt::format("{} points tie", ties),
                        noise.describe());
   }
-  /// Returns the first two metrics of the scatter, their front, and the points that equal it within noise. A search
-  /// begins with its objectives, a sweep with power and frame rate.
+  /// Returns the initial scatter plot: its two metrics, their Pareto front, and the points that equal the front within
+  /// noise. A search shows its objectives, a sweep power and frame rate.
   Json start_json() const {
     std::vector<const Metric*> first;
     for (std::size_t g = 0; g < goals().size(); ++g) {
@@ -337,7 +339,7 @@ class Sweep {
     }
     return {{"x", first[0]->path}, {"y", first[1]->path}, {"front", front}, {"near", near}};
   }
-  /// Returns the effects of all axes on a metric; null if it does not vary.
+  /// Returns the effect of each axis on a metric; null if the metric does not vary.
   Json sensitivity_json(const Metric& metric) const {
     try {
       const results::Sensitivity found = results::find_sensitivity(results_, metric.path, done_);
@@ -359,7 +361,7 @@ class Sweep {
       return {};  // no point has it
     }
   }
-  /// Returns notices of missing results and of extrapolations, at the best point and at others.
+  /// Returns warnings on missing results and on values extrapolated from tables.
   Json notices_json(std::optional<std::size_t> best) const {
     Json out = Json::array();
     if (const std::string missing = results_.missing_text(); !missing.empty()) out.push_back(missing);
@@ -382,11 +384,11 @@ class Sweep {
   const results::Results& results_;
   std::vector<sweep::Point> points_;
   std::optional<optimise::Task> task_;   ///< the task of a search; none for a sweep
-  std::vector<std::string> goal_paths_;  ///< by goal; empty for a metric that no point has
-  std::vector<results::Column> axes_;    ///< axes with several values
-  std::vector<Metric> metrics_;          ///< metrics that a point has
-  std::vector<results::Column> values_;  ///< by metric; means of replicates
-  std::vector<bool> done_, eligible_;    ///< by point: it has a result; it may also be the best or on the front
+  std::vector<std::string> goal_paths_;  ///< report path of each goal's metric; empty if no point has it
+  std::vector<results::Column> axes_;    ///< axes that have more than one value
+  std::vector<Metric> metrics_;          ///< metrics that at least one point has
+  std::vector<results::Column> values_;  ///< values of each metric at all points; means of replicates
+  std::vector<bool> done_, eligible_;    ///< for each point: has a result; meets all constraints
   bool has_constraints_ = false;
 };
 

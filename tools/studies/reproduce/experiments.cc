@@ -10,7 +10,7 @@ namespace tools::reproduce {
 
 namespace {
 
-/// Setting for quick runs: number of triangles of a built-in scene.
+/// Setting for quick runs that reduces the triangles of a built-in scene.
 constexpr const char* kFewTriangles = "scene.triangles=15000";
 
 Sets join_sets(Sets a, const Sets& b) {
@@ -27,7 +27,7 @@ void add_metrics(Case& c, const std::string& experiment, const std::vector<std::
   for (PaperMetric& metric : metric_list(experiment, metrics)) c.metrics.push_back(std::move(metric));
 }
 
-/// Returns a case at the paper's resolution, which is reduced if `quick`.
+/// Returns an experiment at the paper's resolution, which is reduced if `quick`.
 Case case_of(const View& view, std::string setting, std::uint32_t width, std::uint32_t height, ProgramSetup run,
              ProgramSetup reference, bool quick) {
   return {.view = view,
@@ -40,8 +40,8 @@ Case case_of(const View& view, std::string setting, std::uint32_t width, std::ui
 
 }  // namespace
 
-// Lee 2016: multi-rate sampling at 2048x1024 without rate control, which section 5 of the paper lists as future work.
-// Two scopes: T&I units alone, as in figure 7, and the whole frame.
+// Lee 2016: multi-rate sampling at 2048x1024. There is no rate control, which section 5 of the paper lists as future
+// work. Measured on T&I units alone, as in figure 7, and on the whole machine.
 namespace {
 
 View view_of_lee(const std::string& scene, bool quick) {
@@ -109,7 +109,7 @@ std::vector<Case> lee_cases(bool quick) {
   return cases;
 }
 
-// Kim 2016: undersampling with 2x2 base blocks and post-correction by two scans, which are the defaults.
+// Kim 2016: undersampling with 2x2 base blocks and post-correction by two scans over the frame, as by default.
 
 namespace {
 
@@ -129,7 +129,7 @@ View view_of_kim(const std::string& scene, bool quick) {
   return view;
 }
 
-/// Returns a case of undersampling with grid x grid samples per pixel. The reference traces all samples.
+/// Returns an undersampling experiment with grid x grid samples per pixel. The reference traces all samples.
 Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t grid, bool quick) {
   return case_of(view, fmt::format("{}x{}", grid, grid), width, height,
                  {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
@@ -206,7 +206,7 @@ void add_table_4(std::vector<Case>& cases, bool quick) {
     if (quick && grid > 1) continue;
     Case c = undersample_case(view_of_kim("hairball", quick), 3840, 2160, grid, quick);
     c.machine = grid <= 2;
-    // Scans store some bytes per sample of the frame: 38 GB for 16 x 16.
+    // Correction is off, because its scans would store 38 GB for 16 x 16 samples per pixel.
     if (grid > 4) c.run.sets.emplace_back("undersample.correction=off");
     c.metrics = metric_list("table 4", {"speedup", "traced_ratio", "psnr_db"});
     cases.push_back(std::move(c));
@@ -227,11 +227,11 @@ std::vector<Case> kim_cases(bool quick) {
   return cases;
 }
 
-// Jin 2009: supersampling at 1024x1024; the reference has 256 samples per pixel.
+// Jin 2009: adaptive supersampling at 1024x1024, compared with 256 samples per pixel.
 
 namespace {
 
-/// Attributes that are compared for the pixel and for its secondary ray.
+/// Attributes whose thresholds exist twice: for primary hits, and for hits of secondary rays ("secondary_").
 constexpr const char* kGeometry[] = {"object", "normal", "shadow", "texture"};
 
 View view_of_jin(const std::string& scene, bool quick) {
@@ -249,13 +249,13 @@ View view_of_jin(const std::string& scene, bool quick) {
 
 std::string threshold_key(const std::string& key, double value) { return fmt::format("supersample.{}={}", key, value); }
 
-/// Sets the threshold of an attribute for the pixel and for its secondary ray.
+/// Sets the threshold of an attribute for both primary and secondary hits.
 void set_both_thresholds(Sets& sets, const std::string& key, double value) {
   sets.push_back(threshold_key(key, value));
   sets.push_back(threshold_key("secondary_" + key, value));
 }
 
-/// Returns the paper's default program; `alpha` is the threshold of colour and of both textures.
+/// Returns supersampling with the paper's default thresholds. `alpha`: threshold of colour and texture.
 ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
   ProgramSetup program{"supersample", {threshold_key("colour", alpha)}};
   set_both_thresholds(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
@@ -298,7 +298,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
   add("in focus", shadows);
 }
 
-/// Adds the cases of figure 6: one attribute has a strict threshold, all others have threshold 1.
+/// Adds the cases of figure 6, where one attribute has a strict threshold and all others have threshold 1.
 void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
   view.sets = reproduction_settings();
@@ -317,7 +317,8 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds the cases of figure 7: quality over number of samples, with the colour threshold alone and with all thresholds.
+/// Adds the cases of figure 7, quality over number of samples: with the colour threshold alone, and with all
+/// thresholds.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
@@ -347,7 +348,7 @@ std::vector<Case> jin_cases(bool quick) {
   return cases;
 }
 
-// Chiu 2012: one shaded sample per pixel and the geometry of four, compared with sixteen samples.
+// Chiu 2012: a pixel has one shaded sample and four geometry samples. The reference shades sixteen samples.
 
 namespace {
 
@@ -356,7 +357,7 @@ constexpr std::uint32_t kChiuSide = 1024;
 ProgramSetup unfiltered_program() { return {"reconstruct", {"reconstruct.radius=0"}}; }
 ProgramSetup sraa_program() { return {"reconstruct:sraa"}; }
 ProgramSetup reconstruction_program() { return {"reconstruct"}; }
-/// Returns the reconstruction program whose geometry samples come from rasterisers.
+/// Returns the reconstruction program with geometry samples from rasterisers instead of rays.
 ProgramSetup raster_reconstruction() { return {"reconstruct", {"render.primary=raster"}}; }
 ProgramSetup printed_weights() { return {"reconstruct", {"reconstruct.normal_weight=factor"}}; }
 /// Returns the reconstruction program with the colour test of `supersample`.
@@ -375,7 +376,7 @@ View view_of(const std::string& scene, const std::string& stand_in, bool quick, 
   if (quick && stand_in != "cornell") view.sets.emplace_back(kFewTriangles);
   return view;
 }
-/// Returns the view of the scene that replaces Sponza: a court with a polished floor.
+/// Returns a view of the scene that replaces Sponza, a court with a polished floor.
 View sponza_view(bool quick, const std::string& camera = {}) { return view_of("Sponza", "atrium", quick, camera); }
 
 Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, const ProgramSetup& reference,
@@ -383,13 +384,13 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
   return case_of(view, setting.name, pixels, pixels, setting.run, reference, quick);
 }
 
-/// Returns the program with the settings of a machine whose T&I units never wait for rays.
+/// Adds settings to a program with which T&I units never wait for rays, so that they are measured alone.
 ProgramSetup on_tni_alone(ProgramSetup program) {
   program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;
 }
 
-/// Adds cases that measure the time of the frame and of its two passes at several resolutions.
+/// Adds cases that measure frame times at several resolutions, and the shares of the two passes.
 void add_times(std::vector<Case>& cases, bool quick) {
   const View view = sponza_view(quick);
   for (const std::uint32_t pixels : {256U, 512U, 768U, 1024U}) {
@@ -412,7 +413,7 @@ void add_times(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds cases that write pictures: of all filters, and of four shaded samples at the positions of the geometry samples.
+/// Adds cases that write pictures: one of each filter, and one of four shaded samples per pixel for comparison.
 void add_pictures(std::vector<Case>& cases, const std::string& figure, const View& view, const std::vector<Crop>& crops,
                   bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
@@ -430,7 +431,7 @@ void add_pictures(std::vector<Case>& cases, const std::string& figure, const Vie
   }
 }
 
-/// Adds cases that measure errors by mask, for both interpretations of the normal weight and for the colour test.
+/// Adds cases that measure errors by class of pixels (Mask), for each filter and its variants.
 void add_quality(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
                  std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
   for (const Setting& s : {Setting{"none", unfiltered_program()},
@@ -485,12 +486,12 @@ std::vector<Case> chiu_cases(bool quick) {
   return cases;
 }
 
-// Mechanisms of the SGRT line against their predecessors, on five scenes and on machines with different bottlenecks.
-// Run and reference differ in one mechanism.
+// Mechanisms of the SGRT papers, each compared with its predecessor on five scenes and on machines with different
+// bottlenecks. Run and reference differ in one mechanism only.
 
 namespace {
 
-/// A case of 512x256 pixels, a quarter of them on each side if `quick`.
+/// Returns a case with one sample per pixel and 512x256 pixels; a quarter of both sides if `quick`.
 Case case_of_full_1(const View& view, const std::string& setting, const Sets& run, const Sets& reference, bool quick) {
   const std::uint32_t part = quick ? 4 : 1;
   return case_of(view, setting, 512 / part, 256 / part, {"full:1", run}, {"full:1", reference}, false);
@@ -502,9 +503,9 @@ struct Machine {
 };
 
 Machine whole_gpu() { return {"whole GPU", {}}; }
-/// Returns the machine that the papers measured: T&I units that never wait for rays.
+/// Returns the machine that the papers measured, in which T&I units never wait for rays.
 Machine tni_alone_machine() { return {"T&I alone", tni_alone_settings()}; }
-/// Returns a machine with one traversal unit per intersection unit, so that traversal rarely waits for intersection.
+/// Returns a machine with one traversal unit per intersection unit, where traversal rarely waits for intersection.
 Machine one_trv_machine() {
   Machine machine = tni_alone_machine();
   machine.name = "T&I alone, one TRV";
@@ -528,7 +529,7 @@ std::vector<View> sgrt_views(bool quick) {
   return all;
 }
 
-/// Collects the cases of one scene.
+/// Collects the cases of one scene view.
 class Plan {
  public:
   Plan(std::vector<Case>& cases, const View& view, bool quick) : cases_(cases), view_(view), quick_(quick) {}
@@ -546,7 +547,8 @@ class Plan {
   const bool quick_;
 };
 
-/// Adds cases against the traversal unit before 2014: one box tester, one pipe for all work, a memory record per box.
+/// Compares traversal with two box testers with the unit before 2014: one box tester, one shared pipe, one record per
+/// box.
 void add_two_boxes(Plan& plan, const Machine& m) {
   plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
            join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});
@@ -563,7 +565,7 @@ void add_reorder(Plan& plan, const Machine& m) {
   }
 }
 
-/// Adds cases that vary sizes which the paper does not give: rays in flight per unit, and cache sizes.
+/// Adds cases that vary two sizes that the paper does not give: rays in flight per unit, and cache size.
 void add_sizes(Plan& plan, const Machine& m) {
   const auto add = [&](const std::string& size, const Sets& sets) {
     for (const char* other : {"bypass", "blocking"}) {
@@ -588,7 +590,7 @@ void add_direct_interface(Plan& plan, const Machine& m) {
              join_sets(join_sets(m.sets, {"direct_interface.enabled=false"}), off), metrics);
   };
   add("", {});
-  // Rings of 512 rays and hits, 48 KiB per core, are overwritten before the L2 evicts them.
+  // Rings of 512 rays and hits take 48 KiB per core. They are overwritten before the L2 evicts them.
   if (m.name == "T&I alone") add(", records stay in the L2", {"direct_interface.ring=512"});
 }
 
@@ -611,7 +613,7 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
       add_direct_interface(plan, m);
     }
     if (!quick) add_sizes(plan, tni_alone_machine());
-    // Experiments with other trees are last, so that each tree is built once.
+    // Cases with another BVH come last, so that each BVH is built once.
     for (const Machine& m : machines) add_hybrid(plan, m);
     machines.push_back(one_trv_machine());
     for (const Machine& m : machines) add_two_boxes(plan, m);
@@ -619,9 +621,9 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
   return cases;
 }
 
-// A rasteriser for primary visibility with T&I units for all other rays, against rays only. The gain depends on the
-// other rays, so each scene has three sets of effects: shadows; reflections and refractions; occlusion and soft
-// shadows, for all pixels and for one of 2 x 2.
+// Rasterisers for primary visibility, compared with tracing all rays. The gain depends on the remaining rays. Each
+// scene therefore has three sets of effects: shadows; reflections and refractions; occlusion and soft shadows. The last
+// is measured at full and at half rate.
 
 namespace {
 

@@ -32,9 +32,9 @@
 namespace tools::reproduce {
 namespace {
 
-/// Results in the output folder of an earlier run.
+/// Results that an earlier run has left in the output folder.
 struct Former {
-  std::size_t rows = 0;       ///< number of rows; fewer rows do not replace them
+  std::size_t rows = 0;       ///< number of rows; results with fewer rows do not replace them
   std::vector<Row> finished;  ///< rows of an interrupted run of the same experiments, which are reused
 };
 
@@ -49,7 +49,7 @@ constexpr std::uint64_t kMostPublishedBytes = 1 << 20;
 using Entry = sim::YamlNode::Entry;
 using Kind = sim::YamlNode::Kind;
 
-/// Reads the nested mappings of a file of published values.
+/// Parser of a YAML file of published values.
 class PublishedReader {
  public:
   explicit PublishedReader(const std::string& name) : name_(name) {}
@@ -217,7 +217,7 @@ std::string results_text(const Results& results) {
 
 namespace {
 
-/// Returns a Markdown table: for each setting of a paper, the frame program that runs and the one it is compared with.
+/// Returns a Markdown table with the frame program and the reference program of each setting.
 std::string programs_markdown(std::span<const Row> rows) {
   std::string out = "\n| setting | run | compared with |\n|---|---|---|\n";
   std::vector<std::string> listed;
@@ -292,7 +292,8 @@ using sim::Json;
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< typical: 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
-/// True if an earlier run has the same header as `head`, so that its rows are valid in this run.
+/// True if a partial earlier run has the same inputs as this run, so that its rows are valid. `head`: header of this
+/// run.
 bool is_same_run(const Json& former, const Json& head) {
   for (const auto& [key, value] : head.items()) {
     if (key == "partial" || key == "provenance") continue;
@@ -340,8 +341,8 @@ Former read_former(const Json& former, const Json& head) {
   return out;
 }
 
-/// Reads reproduce.json in the folder, if it exists. A row is finished if paper, sizes, program and configuration equal
-/// those of `head`, the header of this run, and its scene file has not changed.
+/// Reads reproduce.json of an earlier run in the folder, if it exists. Its rows are reused if paper, sizes, program and
+/// configuration equal those of `head`, the header of this run, and the scene file has not changed.
 Former load_former(const fs::path& folder, const Json& head) {
   try {
     return read_former(sim::parse_json(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
@@ -370,7 +371,7 @@ sim::Json provenance_json(const Options& options, const RunConfig& config) {
           {"argv", options.argv}};
 }
 
-/// Runs the cases of a paper and writes rows and files.
+/// Runs the cases of a paper, collects result rows and writes the output files.
 class Job {
  public:
   Job(const Options& options, const Paper& paper, const RunConfig& config)
@@ -386,7 +387,7 @@ class Job {
     provenance_ = provenance_json(options, config);
   }
 
-  /// Sets the cases to measure. Rows of a stopped run in `folder` are reused.
+  /// Sets the cases to measure. Loads rows of an interrupted run in `folder` for reuse.
   void begin_cases(std::vector<Case> cases, const fs::path& folder) {
     cases_ = std::move(cases);
     former_ = load_former(folder, header_json());
@@ -396,7 +397,8 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures cases until this run has more rows than the results in `folder`, then replaces those results.
+  /// Measures at least one case, and continues until there are more rows than in `folder`. Then replaces the results in
+  /// `folder`.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
@@ -424,7 +426,7 @@ class Job {
     next_ += 1;
   }
 
-  /// Reuses the rows of a case that an earlier run has finished. Returns false if there are none.
+  /// Takes the rows of a case from an earlier run. Returns false if that run has not finished the case.
   bool reuse_rows(const Case& c) {
     std::vector<Row> rows;
     const std::string stand_in = stand_in_or_none(c.view);
@@ -489,7 +491,7 @@ class Job {
     }
   }
 
-  /// Copies the pictures of reused cases.
+  /// Copies the pictures of reused cases to the new results.
   static void copy_pictures(const fs::path& from, const fs::path& to) {
     for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
       const fs::path name = entry.path().filename();
@@ -500,7 +502,7 @@ class Job {
     }
   }
 
-  /// Returns the header of reproduce.json: everything that the rows depend on, except their cases.
+  /// Returns the header of reproduce.json, which has all inputs of the rows except their cases.
   sim::Json header_json() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
@@ -529,11 +531,11 @@ class Job {
   std::size_t next_ = 0;
   Former former_;
   Results results_;
-  sim::Json scenes_ = sim::Json::object();  ///< SHA-256 by scene
+  sim::Json scenes_ = sim::Json::object();  ///< SHA-256 of each scene file
   sim::Json provenance_;
 };
 
-/// Returns the cases of a paper at the requested size.
+/// Returns the cases of a paper at the resolution requested by `options`.
 std::vector<Case> cases_of(const Paper& paper, const Options& options) {
   std::vector<Case> cases = paper.cases(options.quick);
   for (Case& c : cases) {
@@ -555,7 +557,7 @@ void reproduce(const Options& options) {
   JobOptions plain;
   plain.config = options.config;
   Job job(options, paper, load_run_config(plain));
-  std::optional<HoldInterrupts> hold;  // set after the first results are written
+  std::optional<HoldInterrupts> hold;  // set once the first results are written; from then on an interrupt keeps them
   std::exception_ptr failure;
   try {
     for (job.begin_cases(cases_of(paper, options), folder.target()); !job.is_done();) {
@@ -570,7 +572,7 @@ void reproduce(const Options& options) {
   }
   job.end_progress(failure != nullptr);
   const bool some_are_kept = hold.has_value();
-  hold.reset();  // an interrupt ends the process here
+  hold.reset();  // a delayed interrupt ends the process here
   if (some_are_kept) {
     fmt::print("{}\nresults: {}\n", results_text(job.current_results()), (folder.target() / "reproduce.md").string());
   }

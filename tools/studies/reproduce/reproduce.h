@@ -11,10 +11,10 @@
 
 namespace tools::reproduce {
 
-/// Runs the experiments of a paper and compares measured with published values.
-///   1. After each setting the output folder has reproduce.md, reproduce.json and pictures, marked partial until all
-///      are done. At the end the table is printed.
-///   2. If it is stopped, the same call continues with the missing settings.
+/// Runs the experiments of a paper and compares measured with published values. Prints a table at the end.
+///   1. After each setting the output folder is updated: reproduce.md, reproduce.json and pictures. They are marked as
+///      partial until all settings are done.
+///   2. After an interruption the same call continues with the missing settings.
 ///   3. A missing or broken scene loses only its own rows.
 /// Throws InputError for an unknown paper or an invalid configuration, before anything runs.
 void reproduce(const Options& options);
@@ -25,7 +25,7 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
-/// Identifies a published or measured value: "table 1", "teapot", "super", "psnr_db".
+/// Identifies a published or measured value, e.g. "table 1", "teapot", "super", "psnr_db".
 struct MetricKey {
   std::string experiment, scene, setting, metric;
   friend auto operator<=>(const MetricKey&, const MetricKey&) = default;
@@ -37,10 +37,11 @@ using Published = std::map<MetricKey, Range>;
 /// of search_folders(). Throws InputError with line and column.
 Published load_published(const std::string& paper);
 
-/// Parses the text: experiment: scene: setting: {metric: number, metric: {low: number, high: number}}.
+/// Parses published values in YAML: nested mappings of experiment, scene, setting and metric. A value is a number or
+/// {low: number, high: number}.
 Published parse_published(const std::string& text, const std::string& name);
 
-/// A row of the results: a metric with its measured and its published value.
+/// A row of the table of results: a metric with its measured and its published value.
 struct Row {
   MetricKey key;
   std::string stand_in;
@@ -58,7 +59,7 @@ struct Results {
   std::vector<Row> rows;  ///< in the order of measurement
 };
 
-/// Returns a table for the terminal, and Markdown with a table per experiment.
+/// Formats results as a table for the terminal, or as Markdown with a table per experiment.
 std::string results_text(const Results& results);
 std::string results_markdown(const Results& results, const std::vector<std::string>& pictures);
 

@@ -32,9 +32,9 @@ namespace {
 
 using traces::MaterialRecord;
 
-constexpr float kMirrored = 0.3F;  ///< share of the light that new mirrors reflect
+constexpr float kMirrored = 0.3F;  ///< share of the light that a material reflects after it is made a mirror
 constexpr double kTolerance = 0.01;
-constexpr std::uint32_t kProbePixels = 96;  ///< width of the picture in which pixels are counted
+constexpr std::uint32_t kProbePixels = 96;  ///< width of the small picture in which reflecting pixels are counted
 
 void make_mirror(MaterialRecord& m) {
   m.mirrored = glm::vec3(kMirrored);
@@ -106,7 +106,7 @@ Measured measure_metric(const Metric& metric, const Comparison& c) {
   return {{}, c.squared_error == 0.0 ? "identical" : "nothing to measure"};
 }
 
-/// Returns four times the difference of two pictures, sRGB-encoded, 8 bits per channel.
+/// Returns a picture of four times the difference of two pictures, sRGB-encoded, 8 bits per channel.
 std::vector<std::uint8_t> difference_picture(std::span<const float> a, std::span<const float> b) {
   constexpr float kGain = 4;
   std::vector<std::uint8_t> out(a.size());
@@ -117,7 +117,7 @@ std::vector<std::uint8_t> difference_picture(std::span<const float> a, std::span
   return out;
 }
 
-/// Returns a crop, enlarged eight times.
+/// Returns a square detail of a picture, enlarged eight times. Sets `side` to its side in pixels.
 std::vector<std::uint8_t> crop_picture(const std::vector<std::uint8_t>& picture, const Case& c, const Crop& crop,
                                        std::uint32_t& side) {
   constexpr std::uint32_t kEnlarged = 8;
@@ -144,7 +144,7 @@ std::string key_of(const Case& c, const ProgramSetup& program) {
   return program.program_text() + (c.machine ? "" : " (picture)");
 }
 
-/// Makes a name usable in file names.
+/// Returns a text with characters replaced that are not allowed in file names.
 std::string file_part(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return std::string_view(" ,:").find(c) != std::string_view::npos; }, '-');
@@ -296,7 +296,7 @@ Value ratio_of(double a, double b) {
 Value ratio_of(std::uint64_t a, std::uint64_t b) { return ratio_of(static_cast<double>(a), static_cast<double>(b)); }
 
 double tni_pj(const ProgramResult& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
-/// Returns the energy of a block; 0 if the machine does not have it.
+/// Returns the energy of an area block in pJ; 0 if the machine does not have the block.
 double block_pj(const ProgramResult& o, const std::string& block) {
   const auto found = o.simulation.energy.blocks.find(block);
   return found == o.simulation.energy.blocks.end() ? 0 : found->second.total().nominal;
@@ -312,7 +312,7 @@ std::uint64_t dram_bytes_of(const ProgramResult& o) {
   return Units<hw::DramChannel>(o.simulation.units).counted(&hw::DramChannel::Stats::bytes);
 }
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
-/// Returns the hit rate of the first probe for each line.
+/// Returns the share of cache lines that hit at the first probe.
 double first_hits(const ProgramResult& o) {
   const std::uint64_t lines = l1_counter(o, &hw::FetchStats::l1_hits) + l1_counter(o, &hw::FetchStats::rau_reads);
   return 1 - ratio_of(l1_counter(o, &hw::FetchStats::l1_late), lines).value_or(0);
@@ -321,7 +321,7 @@ double all_hits(const ProgramResult& o) {
   return ratio_of(l1_counter(o, &hw::FetchStats::l1_hits), l1_counter(o, &hw::FetchStats::l1_accesses)).value_or(0);
 }
 
-/// Returns the operations of the shader cores' functional units, of all classes.
+/// Returns the number of operations, of all classes, in the shader cores' functional units.
 double srp_operations(const ProgramResult& o) {
   using Stats = hw::Srp::Stats;
   const Units<hw::Srp> cores(o.simulation.units);
@@ -336,8 +336,8 @@ double srp_operations(const ProgramResult& o) {
 Value ops_of_traced(const Comparison& c) {
   return ratio_of(srp_operations(c.reference), static_cast<double>(c.run.sampling_counts().wanted));
 }
-/// Returns the operations per sample that is not traced: those of the run minus those of its traced samples, which take
-/// as many as in the reference.
+/// Returns the mean number of operations of a sample that is interpolated. Traced samples are assumed to take as many
+/// operations as in the reference.
 Value ops_of_interpolated(const Comparison& c) {
   const auto traced = static_cast<double>(c.run.sampling_counts().traced);
   return ratio_of(srp_operations(c.run) - traced * ops_of_traced(c).value_or(0),
@@ -491,10 +491,10 @@ std::string metric_text(const Metric& metric, double value) {
 namespace {
 
 constexpr std::uint32_t kGrid = 4, kSamples = kGrid * kGrid;
-constexpr float kSameNormal = 0.9F;  ///< as in the checks of adaptive sampling
+constexpr float kSameNormal = 0.9F;  ///< minimum dot product of equal normals, as in adaptive sampling
 constexpr float kTextureContrast = 0.1F;
 
-/// Traces and shades the samples of pixel rows, and classifies the pixels.
+/// Classifies pixels row by row: traces and shades the sixteen samples of each pixel.
 class RowClassifier {
  public:
   explicit RowClassifier(const Inputs& inputs)

@@ -15,11 +15,12 @@
 
 namespace tools::reproduce {
 
-/// Classes of pixels by how their sixteen samples on a regular grid differ. The first class that applies counts.
+/// Classes of pixels, by how the sixteen samples of a pixel on a regular grid differ. A pixel belongs to the first
+/// class that applies.
 enum class Mask : std::uint8_t {
-  kObjectEdge,      ///< objects differ, or a normal differs from the first (dot product below 0.9)
-  kShadowEdge,      ///< a light reaches only some samples
-  kReflectionEdge,  ///< objects or shadows in a mirror or through glass differ
+  kObjectEdge,  ///< visible objects differ, or a normal differs from that of the first sample (dot product below 0.9)
+  kShadowEdge,  ///< a light reaches only some samples
+  kReflectionEdge,  ///< objects or shadows seen in a mirror or through glass differ
   kTextureEdge,     ///< the surface is textured, and colours differ by more than 0.1 in a channel (sRGB-encoded)
   kElsewhere,
   kCount
@@ -28,32 +29,32 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(Mask::kCount)> n
   return {"object_edges", "shadow_edges", "reflection_edges", "texture_edges", "elsewhere"};
 }
 
-/// Returns the mask of each pixel of a view, row by row.
+/// Returns the class of each pixel of a scene's view, row by row.
 std::vector<Mask> classify_pixels(const Inputs& inputs, std::uint32_t threads);
 
-/// Mean squared error of the pixels of each mask; nothing for a mask without pixels.
+/// Mean squared error over the pixels of each class; empty for a class without pixels.
 using MaskedErrors = std::array<std::optional<double>, static_cast<std::size_t>(Mask::kCount)>;
 MaskedErrors masked_errors(std::span<const Mask> masks, std::span<const float> a, std::span<const float> b);
 
-/// The result of a program on a view.
+/// The result of running a frame program on a view of a scene.
 struct ProgramResult {
   FrameResult simulation;
   std::uint64_t pixels = 0;
-  std::uint64_t box_bytes = 0, node_bytes = 0;  ///< size of the tree in memory: only boxes; whole nodes
-  bool machine = true;                          ///< false: `simulation` has only results of the frame program
+  std::uint64_t box_bytes = 0, node_bytes = 0;  ///< size of the BVH in memory: of its boxes alone, and of its nodes
+  bool machine = true;                          ///< false: no timing was simulated, only the frame program was run
   const kernels::Sampling& sampling_counts() const { return simulation.rendered.sampling; }
 };
 
-/// The runs that a metric is computed from.
+/// The inputs of a metric: a run, its reference run, and errors between their pictures.
 struct Comparison {
   const ProgramResult& run;
   const ProgramResult& reference;
   double squared_error = 0;                  ///< mean squared error of the picture
-  MaskedErrors masked{};                     ///< mean squared error by mask, if a metric needs it
+  MaskedErrors masked{};                     ///< mean squared error by class of pixels, if a metric needs it
   std::optional<double> reflective_share{};  ///< share of the view's pixels that reflect
 };
 
-/// A metric that can be measured.
+/// A metric that compares a run with its reference.
 struct Metric {
   enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount, kMilliseconds };
   std::string_view name;
@@ -68,10 +69,10 @@ struct Metric {
 /// Returns the metric with this name; throws std::logic_error if there is none.
 const Metric& find_metric(std::string_view name);
 
-/// True if the metric needs errors by mask.
+/// True if the metric needs errors by class of pixels (Comparison::masked).
 bool needs_masks(std::string_view name);
 
-/// "42.13 dB", "1.83 x", "5.2 %", "200", "1.207 ms"
+/// Formats a value with its unit: "42.13 dB", "1.83 x", "5.2 %", "200", "1.207 ms".
 std::string metric_text(const Metric& metric, double value);
 
 /// Options of `raywatt reproduce`.
@@ -81,20 +82,20 @@ struct Options {
   std::filesystem::path scenes;  ///< folder of scene files; may be empty
   std::filesystem::path out;     ///< empty: a dated folder in raywatt-out/
   bool quick = false;
-  std::uint32_t shrink = 1;  ///< sides of pictures are divided by this
+  std::uint32_t shrink = 1;  ///< divisor of the width and height of pictures
   bool force = false;
-  std::string progress = "auto";  ///< form of Progress
+  std::string progress = "auto";  ///< how progress is shown (Progress)
   std::uint32_t threads = 0;      ///< 0: all cores
   std::vector<std::string> argv;
 };
 
-/// A value, or the reason that there is none.
+/// A measured value, or the reason that there is none.
 struct Measured {
   std::optional<double> value{};
   std::string why_not{};
 };
 
-/// Measures the cases of a paper. Consecutive cases with the same scene, BVH or runs share them.
+/// Measures the metrics of a paper's cases. Consecutive cases with the same scene, BVH or runs share these.
 class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}
@@ -106,13 +107,13 @@ class Runner {
   /// Returns the name or file of the scene that replaces the paper's scene. Throws InputError if there is none.
   std::string find_stand_in_scene(const View& view) const;
 
-  /// Writes the pictures of the last measured case: of the run, its debug pictures (picture.h), its reference
-  /// (one file per reference), four times the difference, and crops of these.
+  /// Writes the pictures of the last measured case: of the run, of its reference, and four times their difference. Also
+  /// writes the run's debug pictures (picture.h) and crops.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 
  private:
   void set_view(const Case& c);
-  /// Loads the scene and builds the tree with the keys of the program.
+  /// Loads the scene of a case and builds its BVH with the settings of the program.
   void load_scene(const Case& c, const ProgramSetup& program);
   JobOptions job_options(const Case& c, const ProgramSetup& program) const;
   const ProgramResult& result_of(const Case& c, const ProgramSetup& program);
@@ -123,10 +124,10 @@ class Runner {
   Progress* progress_;
   std::optional<Inputs> inputs_;
   View view_;
-  std::string inputs_key_;  ///< inputs_key() of the loaded scene
+  std::string inputs_key_;  ///< identifies the loaded scene and BVH (inputs_key())
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
-  /// Results of each program for the current view and resolution.
+  /// Results for the current view and resolution, by program and settings.
   std::map<std::string, ProgramResult> results_by_program_;
   std::vector<float> truth_;
   std::vector<Mask> masks_;
@@ -135,8 +136,8 @@ class Runner {
 /// Returns the share of the view's pixels whose surface sends a reflection ray, measured on a small picture.
 double reflective_share(Inputs& inputs, std::uint32_t threads);
 
-/// Makes materials mirrors or diffuse until about `share` (0 to 1) of the view's pixels reflect. Glass is unchanged.
-/// Materials are chosen by the number of pixels that they cover, largest first, as long as they fit.
+/// Changes materials to mirrors or to diffuse until about `share` (0 to 1) of the view's pixels reflect. Glass is
+/// unchanged. Materials are changed in order of the pixels that they cover, largest first, as long as they fit.
 void set_reflective_share(Inputs& inputs, double share, std::uint32_t threads);
 
 }  // namespace tools::reproduce

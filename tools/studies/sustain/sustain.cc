@@ -14,7 +14,7 @@ namespace tools {
 SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
   constexpr double kUsualMinutes = 10, kHzPerMhz = 1e6;
   JobOptions job = options.job;
-  job.sets.emplace_back("power.voltage=dvfs");  // each clock has the voltage that it needs
+  job.sets.emplace_back("power.voltage=dvfs");  // every frequency has its own voltage
   Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
