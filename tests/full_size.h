@@ -3,10 +3,11 @@
 
 namespace test {
 
-/// True if tests run all their scenes, machines and seeds ($RAYWATT_FULL, set by `tools/validate full`) and not a few.
+/// True if tests use all their scenes, machines and seeds, not only a few. `tools/validate full` sets this
+/// ($RAYWATT_FULL).
 inline bool is_full_size() { return std::getenv("RAYWATT_FULL") != nullptr; }
 
-/// Returns `full` at full size, otherwise `few`.
+/// Returns `full` if is_full_size(), otherwise `few`.
 template <class T>
 T full_or(T full, T few) {
   return is_full_size() ? full : few;

@@ -10,7 +10,7 @@
 
 namespace test {
 
-/// Joins the letters and digits of a text by underscores, which gives a name that GoogleTest accepts.
+/// Turns a text into a name that GoogleTest accepts: other characters than letters and digits become underscores.
 inline std::string name_of_text(std::string_view text) {
   std::string name;
   for (const char c : text) {

@@ -4,7 +4,7 @@
 
 namespace test {
 
-/// Returns the folder of real scenes: $RAYWATT_SCENES, or a folder shared next to the checkout. It may not exist.
+/// Returns the folder of large scene files: $RAYWATT_SCENES, or shared/scenes next to the checkout. It may not exist.
 inline std::filesystem::path scenes_folder() {
   const char* variable = std::getenv("RAYWATT_SCENES");
   if (variable != nullptr) return variable;

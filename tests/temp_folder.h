@@ -7,7 +7,7 @@
 
 namespace test {
 
-/// A folder that exists during a test.
+/// A temporary folder that the destructor removes.
 class TempFolder {
  public:
   TempFolder() {

@@ -5,11 +5,11 @@
 
 namespace test {
 
-/// False under sanitizers, which replace the heap: nothing is counted there.
+/// True if this build can count heap allocations. False with sanitizers, which replace the heap.
 bool can_count_allocations();
 
-/// Counts the allocations of the whole process from start() until its destruction: every malloc, calloc, realloc and
-/// aligned variant, so also operator new. Only one may exist at a time.
+/// Counts all heap allocations of the process, by malloc or by operator new, from start() until the destructor. Only
+/// one object may exist at a time.
 class CountAllocations {
  public:
   CountAllocations();
@@ -19,12 +19,12 @@ class CountAllocations {
 
   void start();
   void stop();
-  /// Continues counting in another group, to separate callers; the first group is 0.
+  /// Counts further allocations in group `number`, so that phases of a test are separate. Counting begins in group 0.
   void group(int number);
 
   std::uint64_t count(int number) const;
-  /// Returns the call stacks of the first thousands of allocations of a group, one per line. Those through a function
-  /// whose name contains one of `known` are omitted.
+  /// Returns the call stacks of the group's first few thousand allocations, one per line. Stacks with a function whose
+  /// name contains one of `known` are omitted.
   std::string sites(int number, const std::vector<std::string>& known = {}) const;
 };
 

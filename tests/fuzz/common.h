@@ -8,7 +8,7 @@
 #include "sim/error.h"
 
 extern "C" {
-// Interface of libFuzzer.
+// Entry points that libFuzzer defines.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 }
@@ -19,14 +19,15 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Returns a temporary folder of this process. Its one-line `sgrt-2016.yaml` is found before the project's own, which
-/// takes a thousand times as long to read.
+/// Returns the temporary folder of this process. It contains a one-line `sgrt-2016.yaml` that replaces the project's,
+/// because that takes a thousand times as long to read.
 const std::filesystem::path& folder();
 
-/// Writes a file of that name into it.
+/// Writes bytes to a file `name` in folder() and returns its path.
 std::filesystem::path file_of(std::string_view bytes, const std::string& name);
 
-/// Calls f, which may refuse its input by InputError or IoError. Any other exception ends the process: a finding.
+/// Calls `f` and ignores InputError and IoError, which refuse invalid input. Any other exception is a bug and ends the
+/// process.
 template <class F>
 void refusing(F&& f) {
   try {
@@ -36,16 +37,18 @@ void refusing(F&& f) {
   }
 }
 
-/// Copies a changed text into a mutator's buffer if it fits; otherwise mutates the bytes in the buffer.
+/// Copies `changed` into libFuzzer's buffer if it fits into `most` bytes; otherwise mutates the bytes in the buffer.
+/// Returns the new size.
 std::size_t replace(std::uint8_t* data, std::size_t size, std::size_t most, std::string_view changed);
 
-/// Mutates bytes by libFuzzer's own mutator.
+/// Returns `bytes` after a mutation by libFuzzer's own mutator. They may grow by `grow` bytes.
 std::string mutated_bytes(std::string bytes, std::size_t grow);
 
-/// Changes, removes or repeats a value of the JSON. Returns an empty text if `text` is not JSON or is nested deeply.
+/// Returns JSON with one value changed, removed or repeated. Returns an empty text if `text` is not JSON or is nested
+/// too deeply.
 std::string mutated_json(std::string_view text, unsigned seed);
 
-/// Mutator for JSON inputs: three times of four by values, otherwise by bytes.
+/// Custom mutator for JSON inputs. It mutates a JSON value in three of four calls, otherwise bytes.
 std::size_t mutate_json(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed);
 
 }  // namespace fuzz

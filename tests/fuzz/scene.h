@@ -4,7 +4,7 @@
 
 namespace fuzz {
 
-/// Returns limits that keep a scene small, so that exceeding them takes no time.
+/// Returns low limits of scene size, so that files that exceed them are refused quickly.
 inline traces::SceneLimits small_limits() {
   traces::SceneLimits limits;
   limits.memory.bytes = std::uint64_t{1} << 26;

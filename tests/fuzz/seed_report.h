@@ -5,7 +5,7 @@
 
 namespace fuzz {
 
-/// Returns a small report with all values that readers use.
+/// Returns a small report.json that has every value the program reads from reports.
 nlohmann::ordered_json seed_report();
 
 }  // namespace fuzz

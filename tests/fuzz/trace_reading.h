@@ -3,7 +3,7 @@
 
 namespace fuzz {
 
-/// Reads a trace as `raywatt trace info` and `raywatt trace replay sgrt-2016 FILE` do, without a machine.
+/// Reads a trace file as `raywatt trace info` and `raywatt trace replay` do, but simulates no machine.
 void read_trace(const std::filesystem::path& file);
 
 }  // namespace fuzz

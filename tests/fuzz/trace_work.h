@@ -3,7 +3,7 @@
 
 namespace fuzz {
 
-/// Separates the parts of an input: header, contents, tree, then one part per tile.
+/// Text that separates the parts of a fuzz input: trace header, contents, tree, then one part per tile.
 inline constexpr std::string_view kBetween = "\n%%\n";
 
 }  // namespace fuzz

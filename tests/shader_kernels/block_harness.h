@@ -10,18 +10,18 @@
 
 namespace kernels {
 
-/// What a frame program returned for a frame, with its recorded work.
+/// Results of a frame program for one frame, and its recorded work.
 struct Sampled {
   std::vector<float> rgb;
   Sampling sampling;
-  std::vector<SampleMark> marks;  ///< marks of all samples of the picture's grid, row by row
+  std::vector<SampleMark> marks;  ///< marks of all samples of the picture, row by row
   std::uint32_t samples_across = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::vector<traces::TileWork> works;  ///< work of each tile in list order, if it was recorded
+  std::vector<traces::TileWork> works;  ///< work of each tile in dispatch order, if recorded
   SampleMark mark(std::uint32_t x, std::uint32_t y) const { return marks[std::size_t{y} * samples_across + x]; }
 };
 
-/// Runs a frame program for a whole frame. `grid` is the number of samples along a pixel's side.
+/// Runs a frame program for a whole frame. `grid`: side of the grid of samples in a pixel.
 inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, std::uint32_t grid = 1,
                            bool record = false) {
   Sampled out;
@@ -40,7 +40,7 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
   return out;
 }
 
-/// A scene that any sampling program can render.
+/// A scene with a camera, and functions to render it with each frame program.
 struct Stage {
   Stage(const traces::Scene& scene, const traces::Camera& view, traces::MipMaps mip_maps = traces::MipMaps::kOff)
       : image(traces::build_memory_image(scene, {}, 1, nullptr, mip_maps)), tracer(image), camera(view) {}
@@ -51,7 +51,7 @@ struct Stage {
     FullProgram program(image, camera, render, samples, 0);
     return run_program(program, tracer);
   }
-  /// Renders with multirate. Without `rates`, every tile has the rate of the first frame.
+  /// Renders with the program `multirate`. If `rates` is null, all tiles have the rate of a first frame.
   Sampled multirate(const RenderConfig& render, const MultirateConfig& config, std::uint32_t grid = 1,
                     bool record = false, const RateMap* rates = nullptr) const {
     const RateMap first(config);
@@ -91,7 +91,7 @@ inline void expect_equal(const Sampling& a, const Sampling& b) {
 using traces::Material;
 using Names = std::set<std::string_view>;
 
-/// Returns the names of the checks that failed, except at the picture's edge.
+/// Returns the names of the similarity checks that failed for any block, except for the picture's edge.
 inline Names failing(const Sampling& sampling) {
   Names names;
   for (std::size_t check = 0; check < sampling.failed.size(); ++check) {
@@ -105,7 +105,7 @@ inline std::uint64_t failed(const Sampling& sampling, Check check) {
   return sampling.failed[static_cast<std::size_t>(check)];
 }
 
-/// Builds a scene seen from z = 4, whose longest side is 20.
+/// Builds a scene of size 20 that is viewed from z = 4.
 struct Room {
   traces::Scene scene = empty_scene();
   Room() { scene.ambient = glm::vec3(1); }
@@ -126,7 +126,7 @@ inline traces::Mesh sheet(float left, float right, float z = 0) {
   return traces::make_quad("sheet", {left, -10, z}, {right - left, 0, 0}, {0, 20, 0}, 1);
 }
 
-/// Joins the two sides of x = 0 to one object; `left` must not be smooth at x = 0.
+/// Joins the meshes left and right of x = 0 to one object. `left` must not have smooth normals at x = 0.
 inline traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
   traces::append_mesh(left, right);
   return left;

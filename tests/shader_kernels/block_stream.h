@@ -20,10 +20,10 @@ using traces::WorkNode;
 struct Recorded {
   FrameRequirements requirements;
   std::vector<traces::TileWork> works;
-  std::uint32_t count = 0, across = 0;  ///< number of tiles in total and in a row
+  std::uint32_t count = 0, across = 0;  ///< number of tiles of the frame, and of a row
 };
 
-/// Tests of the work that a program made of blocks records.
+/// Base of tests of the work recorded by frame programs that sample in blocks.
 class BlockStream : public testing::TestWithParam<const char*> {
  protected:
   static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // not multiples of the tile: edge tiles are cut

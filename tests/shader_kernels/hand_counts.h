@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Numbers of a kernel's operations, by functional unit.
+/// Numbers of operations of a kernel, by class of functional unit.
 struct Count {
   std::uint32_t add, mul, div_sqrt, other, compare, select, integer, convert, load, store, cached;
   friend bool operator==(const Count&, const Count&) = default;
@@ -48,7 +48,7 @@ struct Hand {
   Count count;
 };
 
-/// Number of the first fused kernel; the catalogue lists fused kernels after all others.
+/// Id of the first fused kernel; the catalogue lists fused kernels after all others.
 inline constexpr traces::KernelId kFirstFused = kKernelId<FetchSurface<false>>;
 
 inline void expect_counts(std::span<const Hand> by_hand) {

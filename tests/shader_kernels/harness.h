@@ -41,7 +41,7 @@ struct Picture {
   }
 };
 
-/// Runs a frame program to its end, and calls `see` for each tile after it is committed.
+/// Runs a frame program for a whole frame, and calls `see` with each tile's result after it is committed.
 inline void run_tiles(FrameProgram& program, const traces::Tracer& tracer, bool record, auto&& see) {
   TileResult tile;
   std::uint32_t pass_end = 0;
@@ -74,7 +74,7 @@ inline traces::Scene empty_scene() {
   return scene;
 }
 
-/// Adds a square in the plane z = `z`, facing +z.
+/// Adds a square of side `side` in the plane z = `z` that faces +z.
 inline void add_wall(traces::Scene& scene, float z, float side, const traces::Material& material) {
   const float h = 0.5F * side;
   traces::add_object(scene, traces::make_quad("wall", {-h, -h, z}, {side, 0, 0}, {0, side, 0}, 1),
@@ -88,7 +88,7 @@ inline RenderConfig small(std::uint32_t width, std::uint32_t height) {
   return config;
 }
 
-/// Renders `scene` as seen from `eye` towards `target`, and stores its rays.
+/// A rendered view of `scene` from `eye` towards `target`, with all rays that were traced.
 struct View {
   View(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target, RenderConfig config = small(9, 9))
       : image(traces::build_memory_image(scene, {}, 1)),

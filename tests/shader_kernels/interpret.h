@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// What a graph reads and writes when it is interpreted: memories, uniforms and loop-carried values, each by port name.
+/// Data that an interpreted graph reads and writes, by port name: memories, uniforms and loop-carried values.
 struct Environment {
   std::map<std::string, std::byte*, std::less<>> memories;
   std::map<std::string, std::uint32_t, std::less<>> uniforms;
@@ -21,10 +21,10 @@ struct Environment {
   const traces::Texture* textures = nullptr;
 };
 
-/// Executes `graph` for items 0 to `items` - 1. Tests compare the results with those of the kernel run on floats.
+/// Executes `graph` for items 0 to `items` - 1. Tests compare the results with those of the kernel's C++ code.
 void interpret_graph(const Graph& graph, std::uint32_t items, Environment& environment);
 
-/// Fills an Environment from the ports of a kernel; passed to describe() as its visitor.
+/// Fills an Environment from the ports of a kernel. A visitor for the kernel's describe().
 class EnvironmentBinder {
  public:
   explicit EnvironmentBinder(Environment& environment) : to_(environment) {}

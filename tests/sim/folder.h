@@ -8,7 +8,7 @@
 
 namespace sim::test {
 
-/// An empty folder that exists during a test.
+/// A temporary folder, empty at first and removed by the destructor.
 class Folder {
  public:
   Folder() {
@@ -37,7 +37,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Returns the error text of a call without the folder's name, or "no error".
+/// Returns the message of the error that `call` throws, without the folder's path; "no error" if it throws none.
 template <class Error, class Call>
 std::string complaint(const Folder& folder, Call&& call) {
   try {

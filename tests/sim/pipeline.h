@@ -14,15 +14,15 @@ struct PipelineConfig {
   std::uint64_t items = 50;
   std::size_t capacity = 2;     ///< capacity of each link
   std::uint64_t latency = 1;    ///< latency of each link in cycles
-  std::uint64_t depth = 3;      ///< length of the stage's pipe in cycles
-  std::size_t in_flight = 2;    ///< maximum number of items in the stage's pipe
-  std::uint64_t interval = 1;   ///< cycles between two items of the sink
-  std::uint64_t appetite = 50;  ///< number of items that the sink accepts
-  bool restless = false;        ///< a full sink still ticks every cycle
+  std::uint64_t depth = 3;      ///< latency of the stage in cycles
+  std::size_t in_flight = 2;    ///< maximum number of items inside the stage
+  std::uint64_t interval = 1;   ///< minimum cycles between two items that the sink accepts
+  std::uint64_t appetite = 50;  ///< number of items after which the sink accepts no more
+  bool restless = false;        ///< true: the sink ticks every cycle even when it accepts no more
   Time livelock_timeout = kNever;
 };
 
-/// Sends a number whenever there is room.
+/// Test unit that sends numbers whenever its link has room.
 class Source {
  public:
   enum class CycleReason : std::uint8_t { kDone, kSending, kFull, kCount };
@@ -47,7 +47,7 @@ class Source {
   Link<std::uint64_t>& out_;
 };
 
-/// Delays each number by the length of its pipe.
+/// Test unit that forwards each number after a fixed latency.
 class Stage {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kWorking, kInside, kFull, kCount };
@@ -87,7 +87,7 @@ class Stage {
   Link<std::uint64_t>& out_;
 };
 
-/// Receives a number, then waits for an interval.
+/// Test unit that receives a number, then waits for an interval.
 class Sink {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kTaking, kResting, kCount };
@@ -126,7 +126,7 @@ class Sink {
   Link<std::uint64_t>& in_;
 };
 
-///   source --> stage --> sink, each in a partition of its own
+///   Test machine of three units, each in its own partition: source --> stage --> sink.
 class Pipeline {
  public:
   explicit Pipeline(const PipelineConfig& c)
@@ -143,7 +143,7 @@ class Pipeline {
   Machine& machine() { return machine_; }
   bool done() const { return sink.taken.size() == config_.items; }
   Time livelock_timeout() const { return config_.livelock_timeout; }
-  /// Returns each unit's time by reason, in order.
+  /// Ends the run and returns the time spent for each cycle reason: of the source, the stage, then the sink.
   std::vector<Time> spent(Time end) {
     machine_.finish(end + 1);
     std::vector<Time> all;
@@ -170,11 +170,11 @@ class Pipeline {
   Sink& sink;
 };
 
-/// The same with partitions that run on their own.
+/// A Pipeline whose partitions may run ahead of each other.
 class ApartPipeline : public Pipeline {
  public:
   using Pipeline::Pipeline;
-  /// Near the end, all partitions run together.
+  /// Disables running ahead near the end, where the run could finish.
   RunLimits run_limits(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
     const Time end = ends_soon ? now : now + machine_.min_lookahead();

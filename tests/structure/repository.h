@@ -5,16 +5,17 @@
 
 namespace test {
 
-/// The root of the source tree.
+/// Returns the root of the source tree.
 std::filesystem::path repository();
 
-/// Every file of the source tree, relative to its root, sorted: without hidden folders, builds and results of runs.
+/// Returns all files of the source tree, sorted and relative to its root. Hidden folders, build folders and results of
+/// runs are left out.
 std::vector<std::filesystem::path> repository_files();
 
-/// C++ sources and headers among them.
+/// Returns all C++ source files and headers of the source tree.
 std::vector<std::filesystem::path> source_files();
 
-/// The lines of a file, given relative to the root.
+/// Returns the lines of a file. `file`: path relative to the root of the source tree.
 std::vector<std::string> lines_of(const std::filesystem::path& file);
 
 }  // namespace test

@@ -5,19 +5,19 @@
 
 namespace test {
 
-/// An #include "..." of a source file that names a file of the repository.
+/// An #include "..." in a source file that names another file of the repository.
 struct Include {
-  std::filesystem::path from, to;  ///< relative to the root
+  std::filesystem::path from, to;  ///< relative to the root of the repository
   std::string where;               ///< "file:line"
 };
 
-/// All of them; a generated header is not one.
+/// Returns all includes of the repository, without those of generated headers.
 std::vector<Include> includes();
 
-/// A source file taken apart.
+/// A source file, split into code and comments.
 struct SourceText {
   std::string code;                   ///< without comments, string and character literals
-  std::vector<std::string> comments;  ///< each in one line, without its slashes; lines that follow each other are one
+  std::vector<std::string> comments;  ///< without slashes; consecutive comment lines are joined
 };
 SourceText take_apart(const std::filesystem::path& file);
 

@@ -6,9 +6,10 @@
 
 namespace hw::test {
 
-/// One channel without fabric latency. Its requesters have its clock, with links of one cycle each way.
+/// Testbench of one DRAM channel without fabric latency. Requesters run at its clock and are connected by links of one
+/// cycle.
 struct DramHarness {
-  /// Cycles of the request link and the response link.
+  /// Latency of request link and response link together, in cycles.
   static constexpr std::uint64_t kWires = 2;
 
   static DramConfig quiet() {
@@ -42,13 +43,13 @@ struct DramHarness {
   DramChannel& channel() { return *harness.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
   std::uint64_t why(DramCycleReason reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
-  /// Returns the elapsed cycles, including the last visited one.
+  /// Simulates all requests and returns the elapsed cycles.
   std::uint64_t run(Mode mode = Mode::kSkip) {
     end = harness.run(mode);
     return channel().clock().cycles(end) + 1;
   }
 
-  /// Returns the address of a row's first line.
+  /// Returns the address of the first line of DRAM row `index` in a bank.
   Addr row(std::uint32_t bank, std::uint32_t index) const {
     const Addr page = config.organisation.page.bytes;
     return (Addr{index} * config.organisation.all_banks() + bank) * page;
@@ -59,11 +60,11 @@ struct DramHarness {
   sim::Time end = 0;
 };
 
-/// The default device, and its closed forms.
+/// Timing of the default device, and formulas for its latencies.
 inline const DramTiming kT;
 inline const DramClosedForms kForm{DramHarness::quiet()};
 
-/// Returns the first cycle at or after `now` at which the command can start in the bank of that rank.
+/// Returns the first cycle at or after `now` at which a command to a bank of a rank can start.
 inline DramDevice::Cycle earliest_start(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write,
                                         DramDevice::Cycle now, std::uint32_t rank = 0) {
   const auto bank_ready = [&] {
@@ -80,7 +81,7 @@ inline DramDevice::Cycle earliest_start(const DramDevice& d, DramCommand command
   return d.first_bus_slot(command, rank, std::max(rank_ready, bank_ready()));
 }
 
-/// Requests for rows of a single channel. Times are in cycles.
+/// A list of DRAM requests, and the result of simulating them. Times are in cycles.
 struct Script {
   explicit Script(DramConfig c = DramHarness::quiet()) : config(std::move(c)) {}
 

@@ -3,11 +3,11 @@
 
 namespace hw::test {
 
-/// The part of expect_conserved() that holds for any workload.
+/// Does those checks of expect_conserved() that hold for any workload.
 void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
 
-/// Expects that all inputs of a unit left it, that counts of senders and receivers agree, and that every cycle of every
-/// unit has a reason.
+/// Checks conservation in a finished run: all that entered a unit has left it, counters of senders and receivers agree,
+/// and every cycle of every unit has a reason.
 void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config);
 
 }  // namespace hw::test

@@ -17,7 +17,8 @@
 
 namespace hw::test {
 
-/// A scene, a camera and a frame program, without a machine. Not movable, because the program refers to the image.
+/// A frame to simulate: a scene, a camera and the frame program `full`. Not movable, because the program refers to the
+/// image.
 class Frame {
  public:
   /// `tile`: side of a tile in samples.
@@ -31,22 +32,22 @@ class Frame {
   kernels::FullProgram& program() const { return program_; }
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
-  /// Returns the work of every tile, for repeated runs.
+  /// Records the work of all tiles, so that several machines can simulate the same tiles.
   std::vector<traces::TileWork> record() const;
-  /// Returns the lines of the frame buffer that the tiles of the picture fill.
+  /// Returns the number of cache lines of the frame buffer that the tiles write.
   std::uint64_t picture_lines() const { return picture_lines_; }
 
  private:
   const traces::Camera camera_;
   const traces::MemoryImage image_;
   const std::vector<std::uint32_t> parents_;
-  mutable kernels::FullProgram program_;  ///< keeps the last picture
+  mutable kernels::FullProgram program_;  ///< mutable, because it stores the last picture
   const traces::BvhTracer tracer_;
   const std::uint64_t picture_lines_;
 };
 
-/// The same for any frame program, by name. Each run constructs the program again, since some keep state between
-/// frames.
+/// A frame to simulate with any frame program, given by name. Every run constructs a new program, because some programs
+/// keep state between frames.
 class Method {
  public:
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
@@ -71,11 +72,11 @@ class Method {
   const traces::BvhTracer tracer_;
 };
 
-/// Small pictures that several tests share.
+/// Small frames that several tests share.
 const Frame& cornell_64x32();
 const Frame& teapot_64x32();
 
-/// Results of a run on a machine.
+/// Results of simulating a frame on a machine.
 struct Outcome {
   std::vector<sim::UnitReport> units;
   std::vector<KernelUse> kernels;
@@ -84,43 +85,43 @@ struct Outcome {
   std::uint64_t cycles = 0;
 
   std::uint64_t rays() const;
-  /// Returns a counter summed over the units whose path begins with `at` and ends with `kind` and digits: ("core1",
-  /// "trv").
+  /// Returns a counter summed over units: those whose path begins with `at` and ends with `kind` and digits, e.g.
+  /// "core1" and "trv".
   std::uint64_t sum(std::string_view at, std::string_view kind, std::string_view counter) const;
   std::uint64_t sum(std::string_view kind, std::string_view counter) const { return sum("", kind, counter); }
 };
 
 enum class Engine : std::uint8_t {
   kFast,      ///< skips idle time
-  kOracle,    ///< visits every clock edge
-  kShuffled,  ///< skips, and visits the units of each cycle in random order
+  kOracle,    ///< ticks units at every clock edge, as the reference
+  kShuffled,  ///< skips idle time and ticks the units of a cycle in random order
 };
 
-/// Runs a machine from its first cycle to its last.
+/// Simulates a machine until it is done. `seed`: for Engine::kShuffled.
 Outcome run_machine(Gpu& gpu, Engine engine, std::uint64_t seed = 0);
 
-/// Runs the frame on a machine, with `workers` threads in the front end.
+/// Simulates a frame on a machine. `workers`: number of threads of the front end; `seed`: for Engine::kShuffled.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
 
-/// The same, and records intervals.
+/// Simulates a frame on a machine and records counters over time in `intervals`.
 Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& intervals, Engine engine = Engine::kFast,
              std::uint64_t seed = 0, std::uint32_t workers = 0);
 
 Outcome play(const Method& method, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
 
-/// Runs prepared tiles, which trace rays in the frame's scene. The functional results stay empty.
+/// Simulates prepared tiles whose rays are in the frame's scene. Functional results such as the picture stay empty.
 Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config,
              Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
-/// Runs the tiles of a source on a perturbed machine.
+/// Simulates the tiles of a source on a machine with small random timing perturbations.
 Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, const Perturbation& perturbation,
              Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
-/// Returns the first counter in which two runs differ ("core0.srp.rays: 12, 13"); empty if all are equal.
+/// Returns the first counter that differs between two runs, "core0.srp.rays: 12, 13"; empty if all are equal.
 std::string difference(const Outcome& a, const Outcome& b);
-/// The same for the functional results: picture, rays by kind, traversal steps.
+/// Returns the first difference in functional results: picture, rays by kind, traversal steps; empty if all are equal.
 std::string difference(const tools::RenderResult& a, const tools::RenderResult& b);
 
 }  // namespace hw::test

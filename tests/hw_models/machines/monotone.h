@@ -7,23 +7,24 @@
 
 namespace hw::test {
 
-/// A resource that is doubled at the same latencies, which should not slow a frame.
+/// A change that doubles a resource at equal latencies. It should never slow a frame.
 struct Improvement {
   std::string_view name;
   void (*apply)(GpuConfig& config);
 };
 extern const std::array<Improvement, 9> kImprovements;
 
-/// Returns the resource that is doubled on the machine of this seed (sane_config()).
+/// Returns the change that is tested on the machine sane_config(seed).
 const Improvement& improvement_of(std::uint64_t seed);
 
-/// A frame of 256x128 that becomes more than 1 % slower; tests/validation/DEVIATIONS.md has the cause.
+/// A known exception: a 256x128 frame that the change slows by more than 1 %. tests/validation/DEVIATIONS.md has the
+/// cause.
 struct KnownSlower {
   std::string_view scene;
   std::uint64_t seed = 0;
   double percent = 0;
 };
-/// Returns the listed frame, or null.
+/// Returns the known exception for a scene and a seed, or null.
 const KnownSlower* known_slower(std::string_view scene, std::uint64_t seed);
 
 }  // namespace hw::test

@@ -5,12 +5,13 @@
 
 namespace hw::test {
 
-/// Returns a machine drawn by hash from `seed`. Every field that affects timing or walk is within its limits and not
-/// far above its default; a quarter are at their minimum. Memory is one of the four grades, with random ranks and
-/// controller. A field keeps its old value if the new one breaks a rule with others.
+/// Returns a random machine configuration, determined by `seed`. All fields that affect timing or traversal vary within
+/// their limits; a quarter of them have their minimum. No field is far above its default. Memory is one of four grades
+/// with random ranks and controller. A random value that violates a rule between fields is not used.
 GpuConfig random_config(std::uint64_t seed);
 
-/// The same, near the default machine: each number is a half to double, nothing is ideal.
+/// Returns a random machine near the default, determined by `seed`. Each number is half to double its default, and
+/// nothing is ideal.
 GpuConfig sane_config(std::uint64_t seed);
 
 }  // namespace hw::test

@@ -6,8 +6,8 @@
 
 namespace hw::test {
 
-/// The tiles of a frame with additions drawn by hash from `seed`: transfers to and from all regions, between launches,
-/// rays and each other; launches that wait for them; idle items; dependencies between tiles.
+/// Returns the recorded tiles of a frame with random additions, determined by `seed`. Added are transfers to and from
+/// all regions, launches that wait for transfers, idle items, and dependencies between tiles.
 std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed);
 
 }  // namespace hw::test

@@ -3,7 +3,7 @@
 
 namespace hw::test {
 
-/// Cores, one bank, and a memory with a latency of `memory` cycles.
+/// Testbench of one L2 bank with requesters and a memory of fixed latency. `memory`: that latency in cycles.
 struct BankHarness {
   explicit BankHarness(L2Config config = small(), std::size_t cores = 2, std::size_t capacity = 64,
                        std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,
@@ -45,7 +45,7 @@ struct BankHarness {
   std::uint64_t written() { return harness.echoes.front()->written; }
   std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(harness.banks.front()->activity().spent(w)); }
 
-  static constexpr std::uint64_t kFlushAt = 100'000;  ///< the cycle of the Flush
+  static constexpr std::uint64_t kFlushAt = 100'000;  ///< cycle of the message to write back all dirty lines
   Harness harness;
   sim::Link<Flush> flush;
 };

@@ -19,13 +19,13 @@ namespace hw::test {
 
 inline const sim::Clock kClock(2'000'000);
 
-/// Sends a list of requests, each at its cycle or later, and notes when each answer arrives.
+/// Test client that sends memory requests in order, each at its cycle or later, and records when each is answered.
 class Requester {
  public:
   struct Sent {
     MemRequest request;
-    std::uint64_t cycle = 0;     ///< in: earliest; out: when it was sent
-    std::uint64_t answered = 0;  ///< 0: not answered yet
+    std::uint64_t cycle = 0;     ///< before the run the earliest cycle; afterwards the cycle of sending
+    std::uint64_t answered = 0;  ///< cycle of the answer; 0: none yet
     std::uint64_t latency() const { return answered - cycle; }
   };
 
@@ -71,7 +71,7 @@ class Requester {
   std::uint16_t source = 0;
   std::uint32_t most_outstanding = 1000;
   std::uint64_t pop_every = 1;
-  std::size_t answers = 0;  ///< answers received and writes sent
+  std::size_t answers = 0;  ///< number of answers received and of writes sent
   int mistakes = 0;
 
  private:
@@ -84,7 +84,7 @@ class Requester {
   std::uint32_t outstanding_ = 0;
 };
 
-/// A memory that answers each read as soon as the links allow.
+/// Test memory that answers each read at once.
 class Echo {
  public:
   Echo(sim::Clock clock, sim::Link<MemRequest>& in, sim::Link<MemResponse>& out) : clock_(clock), in_(in), out_(out) {}
@@ -99,7 +99,7 @@ class Echo {
   }
   const sim::Clock& clock() const { return clock_; }
   std::uint64_t requests = 0;
-  std::uint64_t written = 0;  ///< bytes written
+  std::uint64_t written = 0;  ///< total size of all writes in bytes
 
  private:
   sim::Clock clock_;
@@ -109,7 +109,7 @@ class Echo {
 
 enum class Mode { kSkip, kEveryEdge, kShuffled };
 
-/// Any number of units of each kind and the links between them.
+/// Testbench for the memory system: any number of units of each kind, and the links between them.
 class Harness {
  public:
   std::vector<Requester*> requesters;
@@ -138,7 +138,7 @@ class Harness {
     echoes.push_back(&machine_.build<Echo>(id, id.clock, in, out));
   }
 
-  // Interface for the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return std::ranges::all_of(requesters, [](const Requester* r) { return r->done(); }) && machine_.is_drained();
@@ -154,7 +154,7 @@ class Harness {
 
   std::vector<sim::UnitReport> reports() const { return machine_.report(); }
 
-  /// Returns every result that must not depend on the engine.
+  /// Returns all results as text; runs in different engine modes must be equal.
   std::string everything(sim::Time end) const {
     std::string all = "end " + std::to_string(end) + "\n";
     for (const sim::UnitReport& r : reports()) {

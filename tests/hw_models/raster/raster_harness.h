@@ -13,7 +13,7 @@ using traces::RasterTriangle;
 using traces::TileWork;
 using traces::WorkNode;
 
-/// A tile with one node, whose triangles are in one list.
+/// Returns the work of a tile with a single node, whose triangles are in one list.
 inline TileWork tile_of(WorkNode::Kind kind, std::uint32_t items, const std::vector<RasterTriangle>& triangles,
                         std::uint32_t pixel_samples = 1) {
   TileWork work;
@@ -30,7 +30,7 @@ inline TileWork tile_of(WorkNode::Kind kind, std::uint32_t items, const std::vec
   return work;
 }
 
-/// Adds `count` triangles that share vertices and fill one line each.
+/// Returns `count` triangles like `like` that share vertices. Each has its own cache line.
 inline std::vector<RasterTriangle> triangles(std::uint32_t count, const RasterTriangle& like) {
   std::vector<RasterTriangle> all(count, like);
   for (std::uint32_t i = 0; i < count; ++i) all[i].number = 16 * i;
@@ -50,7 +50,7 @@ inline TileWork batch(std::uint32_t count, std::uint32_t lists) {
   return tile_of(WorkNode::Kind::kBin, count, triangles(count, {.vertices = {0, 4, 8}, .lists = lists}));
 }
 
-/// A rasteriser between a core that sends jobs and a memory with a fixed latency.
+/// Testbench of a rasteriser, with a core that sends jobs and a memory of fixed latency.
 class RasterHarness {
  public:
   explicit RasterHarness(const RasterUnitConfig& config, bool ideal = true, std::uint32_t latency = 20)

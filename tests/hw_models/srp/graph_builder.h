@@ -7,7 +7,7 @@
 
 namespace hw::test {
 
-/// Builds small kernel graphs node by node. Every call returns the new node.
+/// Builds small kernel graphs node by node. Functions return the number of the new node.
 class GraphBuilder {
  public:
   using Op = kernels::Op;
@@ -36,7 +36,7 @@ class GraphBuilder {
     node.stored = std::move(values);
     return add(std::move(node));
   }
-  /// A value of `distance` items ago; `close` sets the node that produces it.
+  /// Adds a loop-carried value from `distance` items ago. close() sets the node that produces it.
   std::uint32_t carried(std::uint32_t distance = 1) { return add({.op = Op::kInput, .distance = distance}); }
   void close(std::uint32_t carried, std::uint32_t producer) { graph_.nodes[carried].inputs[0] = producer; }
 

@@ -5,8 +5,8 @@
 
 namespace hw::test {
 
-/// Runs items through a schedule on an array that tracks the use of units and the time of each value. Shares only the
-/// latencies with the scheduler. Returns the first error, or an empty string.
+/// Returns the first error in a kernel schedule; empty if it is valid. The checker executes loop items and tracks units
+/// and times of values. It shares only the latencies with the scheduler.
 std::string wrong_with(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config);
 
 }  // namespace hw::test

@@ -10,11 +10,11 @@
 
 namespace hw::test {
 
-/// A shader core with tiles as fast as it takes them. Its T&I unit, memory and DMA each answer after a fixed time.
-/// Kernels are given by initiation interval and depth.
+/// Testbench of a shader core that gets tiles as fast as it accepts them. T&I unit, memory and DMA answer after fixed
+/// times. Kernels are given by initiation interval and depth.
 class SrpHarness {
  public:
-  /// Runs launches one by one, so that each takes its own time.
+  /// Returns a configuration that does not merge launches, so that each launch takes its own time.
   static SrpConfig without_merging() {
     SrpConfig config;
     config.merge = false;
@@ -36,26 +36,26 @@ class SrpHarness {
     std::uint32_t ii = 1, depth = 10;
     BankConflicts conflicts{};
   };
-  /// Addresses of picture, samples, rates and spilled slots.
+  /// Base addresses of picture, samples, rates and spilled slots.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
-  /// Cycles of a switch to a resident kernel, and to one of interval `ii` that is loaded. By default each row is 16
-  /// words of 8 bytes, and 64 bytes are loaded per cycle.
+  /// Cycles of a switch to a kernel that is resident, and to one of initiation interval `ii` that must be loaded. A row
+  /// is 16 words of 8 bytes by default; 64 bytes are loaded per cycle.
   static constexpr std::uint64_t kResident = 8;
   static constexpr std::uint64_t cold(std::uint64_t ii) { return kResident + 2 * ii; }
 
-  /// Cycles from a miss to its line, with the link to memory; and from a load to the use of its data.
+  /// kLine: cycles from a cache miss to the arrival of its line. kLoad: cycles from a load to the use of its data.
   static constexpr std::uint64_t kLine = 1 + 100, kLoad = 4 + 60;
 
   struct RaySent {
     std::uint64_t cycle = 0;
-    std::uint32_t tile = 0, ray = 0;  ///< slot of the tile in flight, and ray of the tile
+    std::uint32_t tile = 0, ray = 0;  ///< slot of the tile in flight, and number of the ray in the tile
   };
 
   SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels);
 
-  /// `missing`: borders that are missing when the tile is dispatched, a bit for each of its imports.
+  /// Adds a tile to dispatch. `missing`: bit mask of its imported borders that are not yet available then.
   SrpHarness& add(traces::TileWork work, std::uint32_t missing = 0);
-  /// Sends the i-th tile an update in this cycle: these borders are still missing.
+  /// Makes an update arrive in this cycle, with the borders that the tile added as number `tile` still misses.
   SrpHarness& tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing);
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {
@@ -64,25 +64,25 @@ class SrpHarness {
     return *this;
   }
 
-  // Interface for the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const { return tiles_done_.size() == works_.size(); }
 
   const Srp& srp() const { return *srp_; }
-  /// Cycles for which kernel `k` occupied the array, with switch and stalls.
+  /// Returns the cycles for which kernel `k` occupied the array, including switches and stalls.
   std::uint64_t cycles(std::size_t k) const { return srp_->kernel_use()[k].cycles; }
   std::uint64_t spent(Srp::CycleReason why) const { return clock_.cycles(srp_->activity().spent(why)); }
   std::uint64_t elapsed() const { return clock_.cycles(end_); }
   const std::vector<RaySent>& rays() const { return rays_; }
   const std::vector<DmaJob>& transfers() const { return transfers_; }
   const std::vector<std::uint32_t>& tiles_done() const { return tiles_done_; }
-  /// Borders that tiles have written, in order.
+  /// Returns the borders that tiles have written, in order of time.
   const std::vector<traces::Border>& borders() const { return borders_; }
-  /// Returns when the i-th tile to end left the shader core, in cycles after the first tile was visible to it.
+  /// Returns the cycle in which the i-th tile to end left the shader core, counted from the arrival of the first tile.
   std::uint64_t done_at(std::size_t i) const { return done_at_[i] - 2; }
 
  private:
-  /// The environment of the shader core.
+  /// Units around the shader core: dispatcher, T&I unit, memory and DMA.
   struct World {
     explicit World(SrpHarness& b) : harness(b) {}
     sim::Time tick(sim::Time now);
@@ -111,7 +111,7 @@ class SrpHarness {
   sim::Link<DmaDone>& dma_in_;
   Srp* srp_ = nullptr;
   std::deque<traces::TileWork> works_;
-  std::vector<std::uint32_t> missing_;  ///< missing borders, by tile
+  std::vector<std::uint32_t> missing_;  ///< mask of missing borders of each tile at its dispatch
   std::vector<News> news_;
   std::vector<RaySent> rays_;
   std::vector<DmaJob> transfers_;
@@ -121,7 +121,7 @@ class SrpHarness {
   sim::Time end_ = 0;
 };
 
-/// Builds a tile's work graph node by node. Every call returns the new node.
+/// Builds the work graph of a tile node by node. Functions return the number of the new node.
 class TileBuilder {
  public:
   using Node = std::uint32_t;
@@ -129,27 +129,27 @@ class TileBuilder {
 
   explicit TileBuilder(std::uint32_t tile = 0) { work_.tile = tile; }
   Node launch(traces::KernelId kernel, std::uint32_t items, std::vector<Edge> inputs = {});
-  /// A launch whose items read memory; `accesses[i]` are those of item i.
+  /// Adds a kernel launch whose items read memory. `accesses[i]`: reads of item i.
   Node launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
               std::vector<Edge> inputs = {});
   /// Adds `items` idle items to a launch.
   void idle(Node launch, std::uint32_t items) { work_.nodes[launch].idle = items; }
-  /// A ray for each item of `launch`, or for each item in `sources`.
+  /// Adds rays: one for each item of `launch`, or one for each item in `sources`.
   Node rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources = {});
   Node transfer(traces::Region region, bool to_memory, std::uint32_t bytes, std::vector<Edge> inputs = {},
                 std::uint64_t offset = 0);
   Node picture(std::uint32_t bytes, Node after) {
     return transfer(traces::Region::kPicture, true, bytes, {all(after)});
   }
-  /// A transfer that reads a border of another tile.
+  /// Adds a DMA transfer that reads a border of another tile.
   Node import_border(traces::Border border, std::uint32_t bytes);
-  /// A transfer that completes border `number`.
+  /// Adds a DMA transfer that writes border `number` of this tile.
   Node export_border(std::uint32_t number, std::uint32_t bytes, std::vector<Edge> inputs);
   traces::TileWork build();
 
   static Edge all(Node node) { return {node, Edge::Kind::kAll}; }
   static Edge each(Node node) { return {node, Edge::Kind::kEach}; }
-  /// An edge of kind kEach from a node whose items map to those of `sources`.
+  /// Maps the items of a node with a kEach edge: item i depends on item `sources[i]` of the node before the edge.
   TileBuilder& map(Node node, const std::vector<std::uint32_t>& sources);
 
  private:
@@ -158,14 +158,14 @@ class TileBuilder {
   traces::TileWork work_;
 };
 
-/// Cycles of a switch to a kernel of interval 1 that is loaded.
+/// Cycles of a switch to a kernel of initiation interval 1 that must be loaded.
 inline constexpr std::uint64_t kSwitch = SrpHarness::cold(1);
 
-/// Two kernels of a harness.
+/// Numbers of two kernels of an SrpHarness.
 inline constexpr traces::KernelId kA = 0, kB = 1;
 
-/// Rays made by a launch of kernel A and shaded item by item by kernel B. `reads_first`: after data from memory have
-/// arrived.
+/// Returns a tile in which kernel A makes rays and kernel B shades each hit. `reads_first`: kernel A first reads from
+/// memory.
 traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false);
 
 }  // namespace hw::test

@@ -11,7 +11,7 @@
 
 namespace hw::test {
 
-/// A T&I unit with rays as fast as it takes them, a memory with a fixed latency, and a sink of hits.
+/// Testbench of a T&I unit: a source of rays, a memory with a fixed latency, and a sink of hits.
 class TniHarness {
  public:
   struct Setup {
@@ -27,7 +27,7 @@ class TniHarness {
     TniCore::Ideal ideal;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
-    std::uint32_t drain_every = 1;  ///< cycles between hits taken
+    std::uint32_t drain_every = 1;  ///< cycles between two hits that the sink accepts
   };
 
   explicit TniHarness(const Setup& setup)
@@ -58,7 +58,7 @@ class TniHarness {
     return *this;
   }
 
-  // Interface for the engine.
+  // Called by the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return arrived_.size() == to_send_.size() &&
@@ -71,9 +71,9 @@ class TniHarness {
   }
   TniHarness& run_shuffled(std::uint64_t seed) { return end(sim::run_shuffled(*this, seed)); }
 
-  /// Returns the cycles from when a ray can enter the unit to when its hit can leave.
+  /// Returns the latency of a ray in cycles, from the arrival at the unit to the acceptance of its hit.
   std::uint64_t latency(std::size_t ray) const { return clock_.cycles(arrived_at_[ray] - sent_at_[ray]); }
-  /// Cycles from the first hit to the second.
+  /// Returns the cycles between the hits of the first two rays.
   std::uint64_t gap() const { return clock_.cycles(arrived_at_[1] - arrived_at_[0]); }
   std::uint64_t span() const { return clock_.cycles(last_ - sent_at_.front()); }
   const TniCore& tni() const { return tni_; }
@@ -147,7 +147,7 @@ class TniHarness {
   std::uint64_t lines_asked_ = 0;
 };
 
-/// A unit of one traversal unit.
+/// Returns the setup of a T&I unit with one traversal unit.
 inline TniHarness::Setup one_trv() {
   TniHarness::Setup s;
   s.config.trvs = 1;
@@ -156,14 +156,14 @@ inline TniHarness::Setup one_trv() {
 
 inline const Trv& trv(const TniHarness& harness) { return *harness.tni().trvs().front(); }
 
-/// Cycles of links from FIFO to FIFO: one to the TRV, one back to the dispatcher, one into the hit FIFO.
+/// Cycles that a ray spends on links: to the traversal unit, back to the dispatcher, and to the hit FIFO.
 inline constexpr std::uint64_t kWires = 3;
 
-/// Cycles of a visit (fetch 2, box 12), of a miss (1 to memory, 50 back; the next probe is in the cycle of the fill)
-/// and of a pop; femtoseconds of a cycle.
+/// Cycles of a node visit (fetch 2, box test 12), of a miss (1 to memory, 50 back; the fill probes again in the same
+/// cycle) and of a pop. kPeriod: clock period in fs.
 inline constexpr std::uint64_t kVisit = 14, kMiss = 51, kPop = 2, kPeriod = 2'000'000;
 
-/// Returns the cycles of a single ray with warm caches.
+/// Returns the cycles of a single ray in an idle unit with warm caches.
 inline std::uint64_t alone(TniHarness::Setup setup, const std::vector<std::uint32_t>& walk) {
   setup.config.trv.rays = 1;
   TniHarness harness(setup);

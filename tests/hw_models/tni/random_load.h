@@ -12,8 +12,8 @@ namespace hw::test {
 
 using Walk = std::vector<std::uint32_t>;
 
-/// A random tree of `nodes` inner nodes, and rays that walk it with consistent stacks. With two levels: a tree over
-/// instances of three such trees.
+/// Random rays that traverse a tree of `nodes` inner nodes with consistent stacks. With `levels` there are two levels:
+/// a tree over instances of three such trees.
 struct RandomLoad {
   std::vector<std::uint32_t> parents;
   std::vector<traces::NodeRecord> links;
@@ -35,7 +35,7 @@ struct RandomLoad {
     for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, levels ? kTop : nodes, nodes / 4));
   }
   static bool is_leaf(std::uint32_t node, std::uint32_t nodes) { return 2 * node + 2 >= nodes; }
-  /// The tree and the rays, for a harness.
+  /// Copies the trees into the setup of a harness.
   void give(TniHarness::Setup& setup) const {
     setup.parents = parents;
     setup.links = links;
@@ -50,7 +50,7 @@ struct RandomLoad {
   static constexpr std::uint32_t kTop = 31, kInstances = 16, kTrees = 3;
   static constexpr std::uint32_t kNowhere = 0xffffffffU;
 
-  /// A position of a walk: a node, counted from the root of its tree, and that tree.
+  /// A position in a traversal: a node, numbered within its tree, and the instance of that tree.
   struct NodeInTree {
     std::uint32_t node = 0;
     std::uint32_t instance = kNowhere;
@@ -118,7 +118,7 @@ struct RandomLoad {
   }
 };
 
-/// Any T&I unit and any memory.
+/// Returns a random configuration of T&I unit and memory, determined by `seed`.
 inline TniHarness::Setup random_setup(std::uint64_t seed) {
   const auto draw = [&](std::uint32_t dimension, std::uint32_t low, std::uint32_t high) {
     return low + static_cast<std::uint32_t>(sim::hash(seed, dimension) % (high - low + 1));

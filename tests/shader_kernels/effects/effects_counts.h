@@ -28,7 +28,7 @@ inline constexpr Hand kEffectsByHand[] = {
     // To_float, div_mod; 2 (add, to_int); or (xor), and, compare, next.
     {"select_effects", {4, 2, 0, 1, 1, 1, 3, 3, 2, 1, 0}},
     {"select_effects_checkerboard", {4, 2, 0, 1, 1, 1, 3, 3, 2, 1, 0}},
-    // The same, where rays return only their share of the light.
+    // As shade_soft, but rays return only their share of the light.
     {"shade_soft_share", {29, 52, 3, 13, 2, 2, 26, 2, 5, 2, 0}},
     {"cast_occlusion_share", {21, 36, 3, 10, 3, 3, 26, 2, 5, 2, 0}},
     {"combine_ratio", {4, 0, 0, 0, 1, 3, 0, 0, 3, 1, 0}},

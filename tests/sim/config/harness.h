@@ -8,7 +8,7 @@
 
 namespace sim::test {
 
-/// A folder of configuration files for the machine of these tests.
+/// A temporary folder of configuration files, with functions to load MachineConfig from them.
 class ConfigHarness {
  public:
   ~ConfigHarness() { set_config_search_path({}); }

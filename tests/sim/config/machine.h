@@ -45,7 +45,7 @@ struct UnitConfig {
   friend bool operator==(const UnitConfig&, const UnitConfig&) = default;
 };
 
-/// One field of every kind.
+/// A configuration for tests with one field of every kind.
 struct MachineConfig {
   bool direct = true;
   std::uint64_t seed = 7;

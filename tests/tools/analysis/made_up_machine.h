@@ -16,7 +16,7 @@
 
 namespace test {
 
-/// Reports of a machine of one core with given values, over 100 cycles at 1 GHz.
+/// Unit reports of a machine of one core, over 100 cycles at 1 GHz, with values given by a test.
 struct MadeUpMachine {
   using Reasons = std::map<std::string, std::uint64_t>;
   using Counters = std::map<std::string, std::uint64_t>;
@@ -40,7 +40,7 @@ struct MadeUpMachine {
   }
 
  private:
-  /// Absent reasons and counters are 0.
+  /// Returns the report of one unit. Cycle reasons and counters that are not given are 0.
   template <class Unit>
   static sim::UnitReport unit(std::string path, Reasons why, Counters counters) {
     sim::UnitReport report;

@@ -14,7 +14,7 @@
 
 namespace test {
 
-/// The program on a terminal of 100 columns.
+/// The raywatt program, running in a pseudo-terminal of 100 columns.
 class OnTerminal {
  public:
   explicit OnTerminal(Words words, const std::vector<std::pair<std::string, std::string>>& variables = {}) {
@@ -40,7 +40,7 @@ class OnTerminal {
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
-  /// Reads until the output contains `part`, or to its end.
+  /// Reads the program's output until it contains `part`. False if the output ends before.
   bool wait_for(const std::string& part) {
     char bytes[1024];
     while (screen_.find(part) == std::string::npos) {

@@ -6,7 +6,7 @@
 
 namespace test {
 
-/// Runs 32 x 16 pixels into a folder.
+/// Simulates 32 x 16 pixels with results in the folder `out`, and returns that folder.
 inline std::filesystem::path run_into(const std::filesystem::path& out, const Words& more = {}) {
   Words words = {"run",          "--quiet", "--threads", "1", "-o", out.string(), "--set", "scene.triangles=500",
                  "--resolution", "32x16"};

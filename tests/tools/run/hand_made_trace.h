@@ -8,7 +8,7 @@
 
 #include "tests/tools/run/trace_bytes.h"
 
-// A trace written byte by byte from docs/trace-format.md alone.
+// A trace file written byte by byte, following docs/trace-format.md and not the program's code.
 
 namespace test {
 
@@ -20,13 +20,15 @@ inline std::string bytes(std::initializer_list<int> values) {
   return out;
 }
 
-/// The root has two leaves: triangle 0; triangles 1 and 2.
+/// Encoding of a tree whose root has two leaves: triangle 0, and triangles 1 and 2.
 inline const std::string kTree = bytes({0b0000'000'1, 0b0000'001'1});
 
-/// Two instances of a tree over all three triangles; the nodes, then the tree of each instance.
+/// Encoding of a two-level tree, with two instances of a tree over all three triangles: first the nodes, then the tree
+/// of each instance.
 inline const std::string kLevels = bytes({0b0000'000'1, 0b0000'000'1, 0b0000'010'1, 0, 1, 1});
 
-/// Four pixels: one kernel makes their rays, another reads the hits, 16 bytes go to the picture.
+/// Encoding of a tile of four pixels. One kernel makes their rays, another reads the hits, and 16 bytes are written to
+/// the picture.
 inline std::string tile(int index, const std::string& walks) {
   return bytes({0,
                 index,
@@ -72,8 +74,8 @@ inline std::string tile(int index, const std::string& walks) {
          walks;
 }
 
-/// Three of four rays enter the first leaf and hit. The last enters the second leaf first, misses a triangle by
-/// distance, hits the next; its stack entry is then farther than the hit.
+/// Traversal words of four rays. Three enter the first leaf and hit. The last enters the second leaf first, misses a
+/// triangle by distance and hits the next; the entry on its stack is then farther than the hit.
 inline const std::string kWords = bytes({17, /*words*/ 1}) + [] {
   std::string out;
   for (int ray = 0; ray < 3; ++ray) {
@@ -83,7 +85,7 @@ inline const std::string kWords = bytes({17, /*words*/ 1}) + [] {
          number(2U << 30 | 1, 4) + number(3U << 30 | 1, 4) + std::string();
 }();
 
-/// Encodes bits, given as '0' and '1', lowest first, as walks of `words` words.
+/// Encodes bits as the traversals of a tile, which decode to `words` words. `all`: bits as '0' and '1', lowest first.
 inline std::string as_walks(const std::string& all, int words) {
   std::string out((all.size() + 7) / 8, '\0');
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -92,7 +94,7 @@ inline std::string as_walks(const std::string& all, int words) {
   return bytes({words, /*bits*/ 0}) + out;
 }
 
-/// The same as bits.
+/// Returns the traversals of kWords in the trace format's bit encoding.
 inline std::string bits() {
   std::string all;
   for (int ray = 0; ray < 3; ++ray) all += /*visit, the first box*/ "100" /*hit*/ "11" /*the end: a hit*/ "1";
@@ -104,17 +106,18 @@ inline std::string bits() {
   return as_walks(all, 17);
 }
 
-/// All rays enter the second instance, test the first triangle and hit it.
+/// Returns the encoded traversals of four rays in kLevels, which enter the second instance and hit the first triangle.
 inline std::string bits_of_levels() {
   std::string all;
   for (int ray = 0; ray < 4; ++ray) all += /*the second box*/ "010" /*the only box*/ "100" /*hit*/ "110000" /*end*/ "1";
   return as_walks(all, 4 * 6);
 }
 
-/// A change of a test to the contents of a file.
+/// Function by which a test changes header and contents of a trace before they are written.
 using Change = std::function<void(OrderedJson& header, OrderedJson& contents)>;
 
-/// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the offsets of blocks.
+/// Returns a trace file of one tree and one frame. `tree`, `part`: their entries in the contents, without block
+/// offsets.
 inline std::string file_of(OrderedJson header, const std::string& links, OrderedJson tree,
                            const std::vector<std::string>& tiles, OrderedJson part, const Change& change = {},
                            const Form& form = {}) {

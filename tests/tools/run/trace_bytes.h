@@ -4,11 +4,11 @@
 
 #include <zstd.h>
 
-// Parts of traces, as in docs/trace-format.md.
+// Encoders for parts of trace files, following docs/trace-format.md.
 
 namespace test {
 
-/// Encoding of blocks; variations must be refused.
+/// Optional fields of a compressed block. The reader must refuse blocks without them.
 struct Form {
   bool checksum = true, size = true;
 };
@@ -30,7 +30,7 @@ inline std::string number(std::uint64_t value, int bytes) {
   return out;
 }
 
-/// Encodes 7 bits per byte, lowest first; the top bit is set in all but the last.
+/// Encodes a number with 7 bits per byte, lowest first. The top bit is set in all bytes but the last.
 inline std::string varint(std::uint64_t value) {
   std::string out;
   for (; value >= 0x80; value >>= 7) out += static_cast<char>((value & 0x7f) | 0x80);

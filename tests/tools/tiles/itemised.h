@@ -17,7 +17,7 @@ inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std:
   return load_inputs(options);
 }
 
-/// Runs a frame with accounts for each tile and pixel.
+/// Simulates a frame with statistics for each tile and pixel.
 inline FrameResult itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
   return simulate_frame(inputs, kernels::parse_program(program), threads, {.itemised = true});
 }

@@ -9,7 +9,7 @@
 
 namespace traces {
 
-/// Random numbers from a hash, the same on every machine.
+/// Random number generator that gives the same numbers on every host.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -27,32 +27,31 @@ class Dice {
 Scene scene_of(Mesh mesh);
 /// Returns `count` random triangles of about `size` in the cube from -1 to 1.
 Scene triangle_soup(std::uint32_t count, float size, std::uint64_t seed = 1);
-/// Returns random triangles with corners on a grid of eighths: many shared planes, equal distances, edges and flat
-/// boxes, some without area.
+/// Returns random triangles with corners on a grid of spacing 1/8. Many share planes, edges and distances, have flat
+/// boxes or no area.
 Scene grid_soup(std::uint32_t count, std::uint64_t seed = 1);
 /// Returns a closed sphere of radius 1 around the origin.
 Scene sphere(std::uint32_t rings, std::uint32_t segments);
 /// Returns a scene of one triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
-/// Returns a scene of `count` instances: turned, stretched, mirrored, some of them flat or without a triangle.
+/// Returns a scene of `count` instances that are rotated, scaled or mirrored. Some are flat or have no triangles.
 Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 
-/// Returns the scene with a material that is not opaque on two of three triangles: one with alpha, one that transmits
-/// light.
+/// Returns the scene with two of three triangles not opaque: one material with alpha, and one that transmits light.
 Scene with_flags(Scene scene);
 
 /// Returns the scene with all materials single-sided.
 Scene single_sided(Scene scene);
 
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
-/// Returns rays from and along the grid of eighths: zero components of both signs, origins on planes, edges and
-/// corners.
+/// Returns rays that start on a grid of spacing 1/8 and follow it. Directions have zero components of both signs;
+/// origins are on planes, edges and corners.
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
-/// Returns the hit that testing every triangle of every instance finds, with the triangle test and the rule of
-/// BvhTracer.
+/// Returns the hit found by brute force: tests every triangle of every instance, with BvhTracer's triangle test and
+/// rule for equal distances.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
 template <class Record>
@@ -62,8 +61,8 @@ bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
 
 /// Returns the number of hits that differ in any bit.
 std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b);
-/// Returns the number of hits, walk words and walk beginnings that differ between portable and native arithmetic, for
-/// nearest-hit and shadow rays.
+/// Returns the number of results that differ between portable and native arithmetic, for nearest-hit and shadow rays.
+/// Compared are hits, traversal words and where traversals begin.
 std::uint64_t count_different_in_portable(const MemoryImage& image, const std::vector<Ray>& rays);
 
 }  // namespace traces

@@ -13,7 +13,7 @@
 
 namespace traces {
 
-/// Returns the picture of a camera at the origin that looks along -z, half a unit to each side at distance 1.
+/// Returns a camera at the origin that looks along -z. Its picture is one unit high at distance 1.
 inline PictureCamera straight_ahead(std::uint32_t width, std::uint32_t height) {
   const float pixel = 1.0F / static_cast<float>(height);
   return {glm::vec3(0),
@@ -24,7 +24,7 @@ inline PictureCamera straight_ahead(std::uint32_t width, std::uint32_t height) {
           height};
 }
 
-/// Returns the picture of a scene's camera.
+/// Returns a scene's camera with the resolution of a picture.
 inline PictureCamera picture_of(const Camera& camera, std::uint32_t width, std::uint32_t height) {
   const glm::vec3 right = glm::normalize(glm::vec3(camera.to_world[0]));
   const glm::vec3 up = glm::normalize(glm::vec3(camera.to_world[1]));
@@ -39,7 +39,8 @@ inline Ray ray_through(const PictureCamera& camera, float x, float y) {
   return {camera.origin, 0, glm::normalize(camera.corner + camera.right * x + camera.down * y)};
 }
 
-/// Returns rays through the middle of each cell of a grid x grid in every pixel of a box, by rows of pixels.
+/// Returns the rays of a box of pixels, row by row. Each pixel has grid x grid rays, through the centres of equal
+/// cells.
 inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, std::uint32_t y0, std::uint32_t width,
                                 std::uint32_t height, std::uint32_t grid = 1) {
   std::vector<Ray> rays;
@@ -55,7 +56,7 @@ inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, s
   return rays;
 }
 
-/// Returns an image with only triangles, which need not be valid.
+/// Returns a memory image with only triangles and no tree. Triangles may be invalid.
 inline MemoryImage image_of(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   MemoryImage image;
   for (const auto& t : triangles) {

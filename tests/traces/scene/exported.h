@@ -25,7 +25,7 @@ inline traces::Scene there_and_back(const traces::Scene& scene) {
   return traces::load_gltf(folder.write("scene.glb", traces::export_glb(scene)));
 }
 
-/// Returns the node called `name` of a glTF document.
+/// Returns the node called `name` in a glTF document.
 inline nlohmann::json node_of(const nlohmann::json& document, const std::string& name) {
   for (const nlohmann::json& node : document["nodes"]) {
     if (node.value("name", "") == name) return node;

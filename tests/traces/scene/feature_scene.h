@@ -3,9 +3,8 @@
 
 namespace test {
 
-/// Returns a small scene with everything a Scene can hold: every kind of texture, alpha, surface and light, instances
-/// that share a mesh, a node that shears, key frames of every path and interpolation, a skin, morph targets, two
-/// cameras.
+/// Returns a small scene with every feature of Scene: every kind of texture, alpha, surface and light, instances that
+/// share a mesh, a shearing node, key frames of every path and interpolation, a skin, morph targets, and two cameras.
 traces::Scene feature_scene();
 
 /// Returns a textured quad that faces +z, with normals, two sets of texture coordinates, tangents and colours.

@@ -6,7 +6,7 @@
 
 namespace test {
 
-/// A bent patch of 4 x 4 squares, 32 triangles and 25 vertices, as plain arrays.
+/// A curved surface of 4 x 4 squares as plain arrays: 32 triangles and 25 vertices.
 struct Patch {
   std::vector<float> positions, normals, uvs;
   std::vector<std::uint32_t> indices;
@@ -23,7 +23,7 @@ struct Seed {
   std::string name;
   TinyGltf file;
 };
-/// Returns small files that together use everything the loader reads, to be mutated.
+/// Returns small glTF files, as seeds for mutation, that together use every feature of the loader.
 std::vector<Seed> seeds();
 
 }  // namespace test

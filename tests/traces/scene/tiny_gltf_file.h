@@ -13,15 +13,15 @@
 
 namespace test {
 
-/// A glTF document for tests to change. It has one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with
-/// indices and without normals. Accessor 0 holds the positions, 1 the indices.
+/// A glTF document that tests change. It has one mesh on one node: a triangle (0,0,0), (1,0,0), (0,1,0) with indices
+/// and without normals. Accessor 0 has the positions, accessor 1 the indices.
 struct TinyGltf {
   nlohmann::json json;
   std::string binary;
 
   TinyGltf();
 
-  /// Appends values as a buffer view with an accessor. Returns the accessor's index.
+  /// Appends values to the buffer, with a new buffer view and accessor. Returns the accessor's index.
   template <class T>
   int add(const std::vector<T>& values, int component_type, const std::string& type, std::size_t count,
           bool normalized = false) {
@@ -36,7 +36,7 @@ struct TinyGltf {
   nlohmann::json& node() { return json["nodes"][0]; }
   nlohmann::json& material();
 
-  std::string text() const;  ///< the bytes of a .gltf whose buffer is a data: URI
+  std::string text() const;  ///< returns a .gltf file whose buffer is a data: URI
   std::string glb() const;
 };
 
@@ -44,7 +44,8 @@ inline constexpr int kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123,
 
 traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {});
 
-/// Returns the loader's message for a file that it must refuse: one line that begins with the file's name.
+/// Returns the loader's error message for a file that it must refuse. Expects one line that begins with the file's
+/// name.
 std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
 
 }  // namespace test

@@ -126,7 +126,8 @@ inline TileWork tile_of_levels() {
   return t;
 }
 
-// A batch of triangles and a wave of samples, in a frame of 9 vertices, 5 triangles and 8 list entries.
+// A tile of a rasteriser: one batch of triangles and one wave of samples. The frame has 9 vertices, 5 triangles and 8
+// list entries.
 
 inline TileScope tiny_raster() {
   TileScope scope = tiny_scope();
@@ -185,7 +186,7 @@ inline bool same(const TileWork& a, const TileWork& b) {
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 
-/// Returns the bytes with the padding that a decoder requires.
+/// Returns the bytes with the padding after the data that decoders may read.
 inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); }
 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
@@ -199,7 +200,7 @@ inline std::string encode(const TileWork& work, const Links& links) {
   return bytes;
 }
 
-/// Returns the error message of encoding and decoding a tile, or "no error".
+/// Encodes and decodes a tile and returns the error message, or "no error".
 inline std::string complaint(const TileWork& tile, const TileScope& scope) {
   TileWork back;
   try {

@@ -7,7 +7,7 @@
 
 namespace test {
 
-/// A suite of two runs on a machine without concurrency, so that the changed unit can be located.
+/// A regression suite of two runs. Their machine handles one ray at a time, so that a changed unit can be located.
 class BaselineSuite {
  public:
   explicit BaselineSuite(
@@ -21,7 +21,7 @@ runs:
 )");
   }
   void write(const std::string& text) { file_ = folder_.write("suite.yaml", text).string(); }
-  /// Writes the configuration of the machine with an extra line.
+  /// Writes the machine's configuration with an additional line.
   void machine(const std::string& change) { folder_.write("machine.yaml", "extends: " + change_base_ + "\n" + change); }
   Ending baseline(const std::string& step, const Words& more = {}) const {
     Words words = {"baseline", step, file_};

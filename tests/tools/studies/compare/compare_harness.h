@@ -11,7 +11,7 @@
 
 namespace test {
 
-/// Runs, each made at its first use and kept for all tests of the process.
+/// Base of tests that compare runs. A run is simulated at its first use and kept for all tests of the process.
 class Runs : public testing::Test {
  protected:
   void run(const std::string& name) const {
@@ -41,7 +41,7 @@ class Runs : public testing::Test {
     EXPECT_EQ(json["schema"], "raywatt-compare/1");
     return json["against"][0];
   }
-  /// Writes a changed report of a run.
+  /// Writes a changed copy of the report of the run "base" and returns its path.
   std::string changed(const std::string& name, const std::function<void(nlohmann::json&)>& change) const {
     nlohmann::json report = read_json(path("base") + "/report.json");
     change(report);

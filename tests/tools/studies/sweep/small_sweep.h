@@ -9,33 +9,34 @@
 
 namespace test {
 
-/// A sweep's file of these lines, with what makes its points small.
+/// Writes a sweep file of these lines, with settings added that make its points small.
 std::filesystem::path write_sweep(const TempFolder& folder, const std::string& lines,
                                   const std::string& name = "sweep.yaml");
 
-/// The points of such a sweep.
+/// Returns the points of a small sweep (write_sweep()) of these lines.
 std::vector<tools::sweep::Point> points_of(const std::string& lines);
-/// Faults of such a sweep; empty if nothing is.
+/// Returns the error message for a small sweep of these lines; empty if it is valid.
 std::string complaint_of(const std::string& lines);
 
-/// `raywatt sweep run` of that file into folder/out with the store folder/store.
+/// Returns the arguments of `raywatt sweep run` for a sweep file, with results in folder/out and store folder/store.
 Words sweep_run(const TempFolder& folder, const std::filesystem::path& file, const Words& more = {});
 
-/// Runs it twice at once, with two workers each and one store, into folder/out and folder/second; both must end well.
+/// Runs a sweep twice at the same time, into folder/out and folder/second, with two workers each and a common store.
+/// Expects that both succeed.
 void sweep_twice_at_once(const TempFolder& folder, const std::filesystem::path& file);
 
-/// Values of the points' axes: "cores=1 tni.trvs=2".
+/// Returns the axis values of each point as text: "cores=1 tni.trvs=2".
 Words labels_of(const std::vector<tools::sweep::Point>& points);
 
-/// Number of finished points in a store.
+/// Returns the number of finished points in a store.
 std::size_t points_in(const std::filesystem::path& store);
 
-/// report.json without what differs from run to run.
+/// Returns a report without the values that differ between equal runs, such as host times.
 nlohmann::json comparable(nlohmann::json report);
 
-/// Numbers of points of a run: all, computed, found, failed.
+/// Numbers of points in a run of a sweep: all, computed, found in the store, failed.
 using Tally = std::array<int, 4>;
-/// That of the last run in a sweep's folder, by its log.
+/// Returns the numbers of points of the last run of a sweep, from the log in its folder.
 Tally last_run(const std::filesystem::path& out);
 
 }  // namespace test

@@ -13,34 +13,34 @@
 
 namespace test {
 
-/// A report with little in it: cycles, and what else a test says. Host and command line differ between any two.
+/// Returns a minimal report.json with a number of cycles. Host and command line differ between any two reports.
 nlohmann::ordered_json made_report(double cycles);
 
-/// A sweep's folder with a store, written by hand.
+/// A sweep folder and its result store, written without simulation.
 class MadeSweep {
  public:
   using Axes = std::vector<std::pair<std::string, std::string>>;
 
-  /// Adds a point; it has no result yet. Returns its number.
+  /// Adds a point without a result and returns its number.
   std::size_t add(const Axes& axes, const std::string& program = "full:1");
-  /// Every combination of some values of two axes, each point done.
+  /// Adds a finished point for each combination of values of two axes.
   void add_grid(const std::string& a, const std::vector<std::string>& values_of_a, const std::string& b,
                 const std::vector<std::string>& values_of_b,
                 const std::function<double(std::size_t a, std::size_t b)>& cycles);
 
-  /// In the place of what was there.
+  /// Sets the result of point `n`, replacing an earlier result.
   void finish(std::size_t n, const std::string& report) const;
   void finish(std::size_t n, const nlohmann::ordered_json& report) const;
   void finish(std::size_t n, double cycles) const;
   void fail(std::size_t n, const std::string& error) const;
-  /// Replaces the bytes of a point's report behind the store's back.
+  /// Overwrites the report file of a point without using the store.
   void damage(std::size_t n, const std::string& report) const;
   void remove(std::size_t n) const;
-  /// Writes the folder; collect() does so, too.
+  /// Writes the sweep folder. collect() calls this, too.
   tools::sweep::SweepFolder write() const;
 
   tools::results::Collected collect() const;
-  /// Collected, then opened.
+  /// Collects the results and opens the collected table.
   tools::results::Results results() const;
   std::string csv() const { return read_bytes(folder() / "results.csv"); }
 
@@ -55,7 +55,7 @@ class MadeSweep {
   std::vector<tools::sweep::Point> points_;
 };
 
-/// The cells of a CSV text without quotes in it.
+/// Returns the cells of a CSV text, which must not contain quotes.
 std::vector<std::vector<std::string>> cells_of(const std::string& csv);
 
 }  // namespace test
