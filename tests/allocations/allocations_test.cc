@@ -24,8 +24,9 @@
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
-// In the steady state a frame allocates nothing: storage is reused. Some storage still grows where a tile's nodes move
-// between threads and where traces are written and read, but not with every ray.
+// Rendering and simulating a frame allocates no memory in the steady state, because storage is reused. Exceptions:
+// storage may still grow where nodes of a tile move between threads, and where traces are written or read, but not with
+// every ray.
 
 namespace test {
 namespace {

@@ -1,4 +1,5 @@
-// Benchmarks of the simulator's hot paths: ninja -C build/release bench_units, then build/release/tests/bench_units
+// Benchmarks of the simulator's hot paths. Build: ninja -C build/release bench_units. Run:
+// build/release/tests/bench_units
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ void cache_probe(benchmark::State& state) {
 }
 BENCHMARK(cache_probe);
 
-/// A T&I unit full of rays that hit their caches: time per node visit.
+/// Measures host time per node visit in a T&I unit that is full of rays and whose caches hit.
 void traversal_unit_visit(benchmark::State& state) {
   std::vector<std::uint32_t> walk;
   for (std::uint32_t node = 0; node < 30; ++node) walk.push_back(traces::visit_step(node, node == 29 ? 0 : 1, 0));
@@ -53,7 +54,7 @@ void traversal_unit_visit(benchmark::State& state) {
 }
 BENCHMARK(traversal_unit_visit);
 
-/// One LPDDR4 channel under full load: stream (0) or random lines (1).
+/// Measures host time of one LPDDR4 channel under full load: consecutive lines (0) or random lines (1).
 void dram_request(benchmark::State& state) {
   constexpr std::uint32_t kRequests = 20'000;
   for (auto _ : state) {
@@ -86,8 +87,8 @@ void dram_request(benchmark::State& state) {
 }
 BENCHMARK(dram_request)->Arg(0)->Arg(1);
 
-/// The memory model of a grade as `raywatt microbench dram` runs it: stream (0) or random lines (1), percentage of
-/// reads. Run it in the folder that contains configs/.
+/// Measures host time of a DRAM grade's model as run by `raywatt microbench dram`. Arguments: stream (0) or random
+/// lines (1), and percentage of reads. Run it in the folder that contains configs/.
 void dram_play(benchmark::State& state, const char* grade) {
   const auto config = sim::load_config<hw::DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   std::vector<hw::DramRequest> requests;

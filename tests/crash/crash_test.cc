@@ -26,13 +26,14 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 using Results = std::map<std::string, std::string>;
 
-/// A verb that writes its results into `work()`.
+/// A verb to test, with a folder work() in which it writes its results.
 struct Verb {
   std::string word;
   TempFolder folder{};
 
   fs::path work() const { return folder.path() / "work"; }
-  /// Returns the command. Results of another resolution go to the same files; a sweep or search continues its own.
+  /// Returns the command line of the verb. A run with another resolution writes the same files; a sweep or a search
+  /// continues its own folder.
   Words words(const char* resolution = "16x8") const {
     const std::string out = (work() / "out").string();
     if (word == "run") return {"run", "--resolution", resolution, "--threads", "1", "--quiet", "-o", out};
@@ -59,8 +60,8 @@ struct Verb {
     fs::create_directory(work());
   }
   bool goes_on() const { return word == "sweep" || word == "optimise"; }
-  /// Creates the folder, with previous results if `has_former`: of another resolution, or its own for a verb that
-  /// continues.
+  /// Creates work(). With `has_former` it has results: of another resolution, or of the same command for verbs that
+  /// continue.
   Results begin(bool has_former) const {
     begin_anew();
     if (!has_former) return {};
@@ -85,11 +86,11 @@ struct Verb {
     return name == "report.json" || name == "config.yaml" || name == "image.png" || name == "points.jsonl" ||
            name.extension() == ".trace" || name == "suite.baseline.yaml" || name == "front.csv";
   }
-  /// True for a temporary file, and for a folder of results before its final rename.
+  /// True for temporary files, and for result folders that do not have their final name yet.
   static bool is_temporary(const fs::path& name) {
     return name.string().find("raywatt-tmp") != std::string::npos || name.string().starts_with("store/tmp");
   }
-  /// Returns the results by name, without the parts that differ from run to run.
+  /// Returns the result files by name, without values that differ between equal runs.
   std::map<std::string, std::string> results() const {
     std::map<std::string, std::string> found;
     for (const auto& entry : fs::recursive_directory_iterator(work())) {
@@ -118,15 +119,15 @@ struct Verb {
   }
 };
 
-/// Expects all of the new results or all of the previous ones. A sweep's folder may have some of its points, a search's
-/// some lines.
+/// Expects that the folder has either all new results or all previous ones. A sweep may have some of its points and a
+/// search some of its lines.
 void expect_whole(const Verb& verb, const Results& results, const Results& whole, const Results& former) {
   if (!verb.goes_on()) {
     EXPECT_TRUE(results == whole || results == former);
     return;
   }
   for (const auto& [name, bytes] : results) {
-    if (name.starts_with("store/streams")) continue;  // the next run uses it or removes it
+    if (name.starts_with("store/streams")) continue;  // the next run uses or removes it
     ASSERT_TRUE(whole.contains(name)) << name;
     const bool may_grow = verb.word == "optimise" && name == "out/points.jsonl";
     const bool has_some = may_grow && whole.at(name).starts_with(bytes) && (bytes.empty() || bytes.ends_with('\n'));
@@ -156,7 +157,7 @@ void expect_clean_failure(const Verb& verb, std::uint64_t index, bool has_former
 
 class Crash : public testing::TestWithParam<const char*> {};
 
-/// Returns the approximate number of call indices to try.
+/// Returns about how many different calls to let fail: all if $RAYWATT_CRASHES is "all", else a few.
 std::uint64_t sample_size() {
   const char* wanted = std::getenv("RAYWATT_CRASHES");
   return wanted != nullptr && std::string(wanted) == "all" ? UINT64_MAX : 3;

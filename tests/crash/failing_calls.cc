@@ -1,5 +1,5 @@
-// Preloaded into the program. Over all processes, it counts the system calls that write below a folder and fails one,
-// or counts the large allocations and fails one.
+// A library preloaded into the program (LD_PRELOAD) that makes one system call or allocation fail. It counts, over all
+// processes, either system calls that write below a folder, or large allocations.
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -20,13 +20,13 @@
 
 namespace {
 
-/// Returns the next function of this name: the C library's.
+/// Returns the C library's function of this name, which this library replaces.
 template <class F>
 F* real(const char* name) {
   return reinterpret_cast<F*>(::dlsym(RTLD_NEXT, name));
 }
 
-/// The test's request: the index of the failing call, and a counter in a file that all processes map.
+/// Parameters set by the test: index of the call to fail, and a counter in a file that all processes map.
 class Plan {
  public:
   explicit Plan(const char* turn) {
@@ -67,10 +67,11 @@ bool fails(int file, int error) {
 
 bool is_for_writing(int flags) { return (flags & (O_WRONLY | O_RDWR | O_CREAT)) != 0; }
 
-/// Smaller allocations are too many to fail each, and no host refuses them first.
+/// Only allocations of at least this size fail. Smaller ones are too many, and hosts run out of memory at large ones
+/// first.
 constexpr std::size_t kLargeAllocation = 4096;
 
-/// True for code of the program itself; libraries handle failed allocations in their own way.
+/// True if the caller is the program's own code. Libraries handle failed allocations in their own way.
 bool is_of_program(const void* code) {
   static const void* const program = [] {
     Dl_info entry{};

@@ -9,15 +9,15 @@
 #include "sim/hash.h"
 #include "tests/tools/program.h"
 
-// Folders of runs and sweeps, traces and inputs of pages are damaged by a seed. Every verb must end in time, within its
-// memory, with its own exit code, and lose nothing.
+// Tests verbs on damaged files: folders of runs and sweeps, traces, and inputs of pages. Every verb must end in time
+// and within its memory, return one of its exit codes, and lose no data.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Random numbers for one folder.
+/// Random number generator for the damage to one folder.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -43,7 +43,7 @@ Files files_in(const fs::path& folder) {
 
 std::size_t random_place(const std::string& bytes, Dice& dice) { return dice.below(bytes.size() + 1); }
 
-/// Returns the bytes damaged in a way that readers may handle badly.
+/// Returns file contents with random damage of a kind that readers may handle badly.
 std::string damaged(std::string bytes, const std::string& of_another, Dice& dice) {
   const std::size_t at = random_place(bytes, dice);
   switch (dice.below(10)) {
@@ -59,13 +59,13 @@ std::string damaged(std::string bytes, const std::string& of_another, Dice& dice
       return of_another;
     case 5:
       return std::string(100'000, '[');
-    case 6: {  // a number, if there is one, becomes impossible
+    case 6: {  // replaces a number by an impossible one
       const std::size_t digit = bytes.find_first_of("0123456789", at);
       if (digit == std::string::npos) return bytes;
       constexpr const char* kNumbers[] = {"1e300", "-1", "18446744073709551616", "1e999", "0", "NaN", "4294967296"};
       return bytes.replace(digit, 1, kNumbers[dice.below(std::size(kNumbers))]);
     }
-    case 7: {  // a piece is repeated elsewhere
+    case 7: {  // repeats a piece elsewhere
       const std::string piece = bytes.substr(at, 1 + dice.below(4000));
       return bytes.insert(random_place(bytes, dice), piece);
     }
@@ -86,7 +86,7 @@ void write(const fs::path& file, const std::string& bytes) {
   std::fclose(out);
 }
 
-/// Damages one to three files of the folder. Returns their names.
+/// Damages one to three files in a folder and returns their names.
 std::vector<std::string> damage(const fs::path& folder, Dice& dice) {
   const Files files = files_in(folder);
   const auto any = [&] { return std::next(files.begin(), static_cast<std::ptrdiff_t>(dice.below(files.size()))); };
@@ -97,7 +97,7 @@ std::vector<std::string> damage(const fs::path& folder, Dice& dice) {
     fs::remove_all(file);
     switch (dice.below(12)) {
       case 0:
-        break;  // a missing file
+        break;  // removes the file
       case 1:
         fs::create_directory(file);
         break;
@@ -115,7 +115,7 @@ std::vector<std::string> damage(const fs::path& folder, Dice& dice) {
   return names;
 }
 
-/// Valid inputs, made once.
+/// Valid run folders, traces and sweeps, made once for all tests.
 struct Seeds {
   TempFolder folder;
   fs::path run = folder.path() / "run", other = folder.path() / "other", sweep = folder.path() / "sweep",
@@ -209,7 +209,7 @@ void try_trace(const fs::path& folder, const TempFolder& work) {
   bounded({"trace", "replay", trace, "--threads", "1", "-o", (work.path() / "replayed").string()}, work.path());
 }
 
-/// Returns the good reports of a store by number of cores, without the parts that differ from run to run.
+/// Returns the valid reports in a store by number of cores, without values that differ between equal runs.
 std::map<int, std::string> results_of(const fs::path& store) {
   std::map<int, std::string> results;
   for (const auto& [name, bytes] : files_in(store / "points")) {
@@ -230,7 +230,7 @@ void try_sweep(const Seeds& seeds, const fs::path& folder, const TempFolder& wor
   bounded({"sweep", "best", out, "--max", "perf.fps"}, work.path());
   bounded({"report", out, "-o", (work.path() / "sweep.html").string()}, work.path());
   bounded({"sweep", "run", seeds.spec.string(), "-o", out, "--store", store, "-j", "1", "--quiet"}, work.path());
-  // A new folder uses the store's points, and computes the others.
+  // A sweep in a new folder uses valid points of the store and computes the others.
   const Ending again = bounded({"sweep", "run", seeds.spec.string(), "-o", (work.path() / "new").string(), "--store",
                                 store, "-j", "1", "--quiet"},
                                work.path());

@@ -12,7 +12,7 @@
 namespace fuzz {
 namespace {
 
-/// The folder of this process, with the small default configuration.
+/// Temporary folder of this process, with the small default configuration.
 test::TempFolder& made() {
   static test::TempFolder folder;
   static const bool once = [] {

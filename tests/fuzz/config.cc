@@ -5,7 +5,8 @@
 #include "tests/fuzz/common.h"
 #include "tools/run/frame/load_config.h"
 
-// A configuration file, as `raywatt run FILE` loads it; the loaded configuration is written and read back.
+// Fuzz target: a configuration file, as `raywatt run FILE` loads it. The loaded configuration is written and read
+// again.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   tools::JobOptions options;

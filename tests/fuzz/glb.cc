@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/scene.h"
 
-// A .glb file. Mutations change the content of its two chunks and correct the sizes in its headers.
+// Fuzz target: a .glb file. Mutations change the content of its two chunks and correct the sizes in its headers.
 
 namespace {
 

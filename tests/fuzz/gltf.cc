@@ -1,6 +1,6 @@
 #include "tests/fuzz/scene.h"
 
-// A .gltf file; its buffers are data: URIs.
+// Fuzz target: a .gltf file whose buffers are data: URIs.
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
   return fuzz::mutate_json(data, size, most, seed);

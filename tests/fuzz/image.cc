@@ -3,8 +3,8 @@
 #include "tests/fuzz/scene.h"
 #include "traces/scene/images.h"
 
-// A PNG or JPEG file, as in a scene, or an EXR file, as `compare` reads it. Mutations of a PNG correct the checksums of
-// its chunks.
+// Fuzz target: a PNG or JPEG file, as in a scene, or an EXR file, as `compare` reads it. Mutations of a PNG correct the
+// checksums of its chunks.
 
 namespace {
 
@@ -24,7 +24,7 @@ std::uint32_t big_endian(const std::uint8_t* at) {
   return std::uint32_t{at[0]} << 24 | std::uint32_t{at[1]} << 16 | std::uint32_t{at[2]} << 8 | at[3];
 }
 
-/// Chunks: size, kind, content, checksum of kind and content.
+/// Corrects the checksums of a PNG. A chunk has size, kind, content, and a checksum of kind and content.
 void set_checksums(std::uint8_t* data, std::size_t size) {
   std::size_t at = kPng.size();
   while (at + 12 <= size) {

@@ -6,7 +6,8 @@
 #include "tests/fuzz/trace_work.h"
 #include "traces/trace_file/packing.h"
 
-// A file of intervals, as stored and by the content of its blocks, which is packed here.
+// Fuzz target: a file of intervals. The input is read as a whole file, and as the content of its blocks, which this
+// target compresses.
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include "tests/fuzz/common.h"
 #include "tests/temp_folder.h"
 
-// A target without libFuzzer: runs the files of the given folders. Each must end within five seconds, all of them
-// within 2 GiB.
+// Runs a fuzz target on the files of given folders, without libFuzzer. Each file must end within five seconds, and all
+// of them within 2 GiB.
 
 namespace {
 
@@ -20,7 +20,7 @@ constexpr long kMostKiB = 2L << 20;
 
 }  // namespace
 
-/// Mutators are linked, but never called here.
+/// libFuzzer's mutator is referenced by the targets, but never called here.
 std::size_t LLVMFuzzerMutate(std::uint8_t*, std::size_t size, std::size_t) { return size; }
 
 int main(int argc, char** argv) {

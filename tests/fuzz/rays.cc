@@ -1,7 +1,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/run/jobs.h"
 
-// A list of rays, as `raywatt run --rays FILE` reads it.
+// Fuzz target: a list of rays, as `raywatt run --rays FILE` reads it.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.rays");

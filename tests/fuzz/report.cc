@@ -2,7 +2,7 @@
 #include "tests/fuzz/seed_report.h"
 #include "tools/studies/compare/compare.h"
 
-// A report, as `raywatt compare` reads it and compares it with another one.
+// Fuzz target: a report.json, as `raywatt compare` reads it and compares it with another one.
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/images.h"
 
-// Writes the seeds and the dictionary of each target: FOLDER/TARGET/NAME and FOLDER/TARGET.dict.
+// Writes seed files and a dictionary for each fuzz target: FOLDER/TARGET/NAME and FOLDER/TARGET.dict.
 
 namespace {
 
@@ -25,7 +25,7 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Writes the dictionary.
+  /// Writes the dictionary of a fuzz target, with words for mutations.
   ~Writer() {
     std::ofstream out(folder_.string() + ".dict");
     for (const std::string& word : words_) out << '"' << word << "\"\n";
@@ -44,7 +44,7 @@ class Writer {
     }
   }
 
-  /// Adds the small files of a folder.
+  /// Adds the small files of a folder as seeds.
   void add_files(const fs::path& folder) {
     constexpr std::uintmax_t kMostBytes = 4096;
     for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
@@ -90,7 +90,7 @@ void add_yaml(const fs::path& folder) {
             "scene_sha256: x, bvh_hash: y, config: {cores: 1}, values: {'': {cycles: 7}, totals: {rays: 1e3}}}\n");
 }
 
-/// Returns the smallest JPEG file: 8 x 8, one component, each table with one code.
+/// Returns a minimal JPEG file of 8 x 8 pixels: one component, and one code in each table.
 std::string jpeg() {
   const std::string codes = std::string("\0\1", 2) + std::string(15, '\0') + '\0';
   std::string ac = codes;
@@ -168,7 +168,8 @@ void add_json(const fs::path& folder) {
   sweep.add("failure.json", R"({"id": "0", "exit": 2, "error": "e", "log": "l", "host": "h", "attempt": 1})");
 }
 
-/// Two frames of two units, three intervals each: of 3, 0 and 2 cycles, and a counter that is always 0.
+/// Returns a file of intervals: two frames of two units, with three intervals of 3, 0 and 2 cycles each. One counter is
+/// always 0.
 void add_intervals(const fs::path& folder) {
   const std::string units = {
       "\x02\x02\x01u\x01\x04"

@@ -2,7 +2,8 @@
 #include "tests/fuzz/common.h"
 #include "tools/sampling/slices.h"
 
-// A slice of a frame, as the store keeps it. The contents are read, written and read back, and must be the same.
+// Fuzz target: results of a slice of a frame, as the store keeps them. They are read, written and read again, and must
+// be the same.
 
 namespace {
 
@@ -21,7 +22,7 @@ void there_and_back(std::string_view text) {
   try {
     const sim::Json written = tools::slice_json(tools::read_slice(sim::parse_json(text), initial_state()));
     if (tools::slice_json(tools::read_slice(written, initial_state())) != written) std::abort();
-  } catch (const sim::JsonError&) {  // not JSON; the store's checksum excludes such texts
+  } catch (const sim::JsonError&) {  // text that is not JSON; the store's checksum rejects it
   }
 }
 

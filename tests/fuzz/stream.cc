@@ -1,7 +1,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/studies/microbench/dram_stream.h"
 
-// Requests to a memory channel, as `raywatt microbench dram --stream FILE` reads them.
+// Fuzz target: requests to a memory channel, as `raywatt microbench dram --stream FILE` reads them.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.txt");

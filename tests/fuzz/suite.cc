@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/common.h"
 
-// A suite of `raywatt baseline`, and the file of its values: the input is read as both.
+// Fuzz target: the input is read as a suite file of `raywatt baseline`, and as its file of stored values.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.yaml");

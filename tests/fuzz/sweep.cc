@@ -3,8 +3,8 @@
 #include "tests/fuzz/common.h"
 #include "tools/studies/sweep/spec/plan.h"
 
-// A sweep's file, as `raywatt sweep run FILE --dry-run` reads it, and its first points. Further points are not made, as
-// their time grows with their number.
+// Fuzz target: a sweep file, as `raywatt sweep run FILE --dry-run` reads it, and its first points. Further points are
+// not generated, because the time grows with their number.
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/store/store.h"
 
-// The files of a sweep's folder and store. The input is read as each of them: sweep.json, points.jsonl, the record of a
-// failure, a point's report.
+// Fuzz target: files in a sweep's folder and store. The input is read as each of them: sweep.json, points.jsonl, record
+// of a failure, report of a point.
 
 namespace {
 

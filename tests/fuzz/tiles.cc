@@ -1,7 +1,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/tiles/tile_table.h"
 
-// The figures of a run's tiles. They are read, written and read back, and must be the same.
+// Fuzz target: tiles.json of a run. It is read, written and read again, and must be the same.
 
 namespace {
 

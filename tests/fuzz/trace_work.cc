@@ -11,7 +11,7 @@
 #include "traces/trace_file/format.h"
 #include "traces/trace_file/packing.h"
 
-// A trace by the content of its blocks, packed here with valid checksums and offsets.
+// Fuzz target: the content of a trace's blocks, which this target compresses with valid checksums and offsets.
 
 namespace {
 
@@ -47,7 +47,7 @@ class File {
     bytes_.append(traces::kTraceMagic).append(number(packed.size(), 4)).append(packed);
   }
 
-  /// Appends a block; returns its place.
+  /// Appends a compressed block and returns its offset and size as JSON.
   Json put(const std::string& content) {
     const std::string_view packed = packer_.pack_block(content);
     Json range = {{"offset", bytes_.size()}, {"bytes", packed.size()}};
@@ -65,7 +65,7 @@ class File {
   std::string bytes_;
 };
 
-/// Gives all trees and frames of the contents the existing tree and tiles.
+/// Sets the block positions of all trees and frames in the contents to those of the existing tree and tiles.
 void set_ranges(Json& contents, const Json& tree, const Json& tiles) {
   if (!contents.is_object()) return;
   for (const auto& [key, ranges] : {std::pair("trees", &tree), std::pair("parts", &tiles)}) {

@@ -10,8 +10,8 @@
 #include "tests/param_name.h"
 #include "tools/run/frame/run_job.h"
 
-// Small runs with all counters in tests/golden/*.json, summed over units of one kind. After an intended change accept
-// the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
+// Compares small runs with all counters stored in tests/golden/*.json, summed over units of a kind. To accept new
+// values after an intended change: RAYWATT_ACCEPT=1 ctest --preset release -R golden
 
 namespace tools {
 namespace {
@@ -63,7 +63,7 @@ std::string difference(const Json& was, const Json& is, const std::string& path 
     }
     return all;
   }
-  // Energies between two points of a curve use the C library's logarithm.
+  // Energies interpolated on a curve use the C library's logarithm, which may differ.
   const bool same = was.is_number_float()
                         ? std::abs(was.get<double>() - is.get<double>()) <= 1e-9 * std::abs(was.get<double>())
                         : was == is;

@@ -10,7 +10,7 @@
 
 #include "block_stream.h"
 
-// Which borders tiles of blocks read, and which launches wait for them.
+// Tests of programs that sample in blocks: which borders of other tiles a tile reads, and which launches wait for them.
 
 namespace kernels {
 namespace {

@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// Tile size, halo and threads must not change a bit of a picture made of blocks.
+// Tests that tile size, halo and threads change no bit of the picture of programs that sample in blocks.
 
 namespace kernels {
 namespace {
@@ -17,7 +17,7 @@ class Blocks : public testing::TestWithParam<const char*> {
   }
   const Stage stage_{scene()};
 
-  /// Expects `b` to have the same picture, marks and counts as `a`, except the counts of the halo.
+  /// Expects `b` to have the same picture, marks and counts as `a`, except for counts of halo samples.
   static void expect_same(const Sampled& b, const Sampled& a) {
     EXPECT_EQ(b.rgb, a.rgb);
     EXPECT_EQ(b.marks, a.marks);

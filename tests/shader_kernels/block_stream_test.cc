@@ -14,7 +14,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
-// Recorded work of block programs: dependences between tiles, transfers, idle items.
+// Tests of the work recorded by programs that sample in blocks: dependencies between tiles, transfers, idle items.
 
 namespace kernels {
 namespace {

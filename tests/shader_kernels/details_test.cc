@@ -24,7 +24,7 @@ void add_quad(traces::Scene& scene, traces::Mesh mesh, const Material& material)
   traces::add_object(scene, std::move(mesh), traces::add_material(scene, material));
 }
 
-/// Returns the colour that a camera straight in front of the origin sees there.
+/// Returns the colour at the origin as seen by a camera straight in front of it.
 glm::vec3 seen(const traces::Scene& scene, RenderConfig config = small(1, 1)) {
   return View(scene, {0, 0, 4}, {0, 0, 0}, config).centre();
 }
@@ -96,7 +96,7 @@ TEST(NormalMaps, TheNormalStaysOnTheRaysSide) {
   }
 }
 
-/// The metal-roughness rule of traces/scene/gltf/materials.h, written again for comparison.
+/// Second implementation of the metal-roughness rule of traces/scene/gltf/materials.h, for comparison.
 Material by_rule(const glm::vec3& base, float metallic, float roughness, float dielectric, float coat) {
   const float gloss = std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F);
   const float metal = gloss * metallic, white = gloss * (1 - metallic) * dielectric + coat;

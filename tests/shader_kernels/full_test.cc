@@ -12,7 +12,7 @@
 namespace kernels {
 namespace {
 
-/// PSNR as in design/methods.md: of sRGB-encoded values, with peak 1.
+/// Returns the PSNR of sRGB-encoded values with peak 1 (docs/design/methods.md).
 double psnr(const Picture& a, const Picture& b) {
   const auto encode = [](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
   double sum = 0;
@@ -146,7 +146,7 @@ TEST(FullProgram, JitterDependsOnTheFrame) {
   EXPECT_NE(first_rays(3), first_rays(4));
 }
 
-/// Counts the fields, including those of groups, and checks what RenderConfig promises for all of them.
+/// Visitor that counts configuration fields and checks properties that all fields of RenderConfig must have.
 struct CountFields {
   std::uint32_t count = 0;
   void operator()(const auto&, std::string_view key, std::string_view, std::string_view meaning, const sim::Limits&,

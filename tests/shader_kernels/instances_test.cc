@@ -11,7 +11,7 @@
 #include "showcase.h"
 #include "tests/param_name.h"
 
-// Scenes of instances render the same picture in two levels as flattened.
+// Tests that scenes of instances render the same picture with a two-level tree as with a flat one.
 
 namespace kernels {
 namespace {

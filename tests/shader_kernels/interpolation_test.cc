@@ -11,7 +11,7 @@
 #include "showcase.h"
 #include "sim/hash.h"
 
-// Difference between interpolated and traced samples, and the effect of textures on the checks.
+// Tests of the difference between interpolated and traced samples, and of the effect of textures on similarity checks.
 
 namespace kernels {
 namespace {
@@ -133,7 +133,8 @@ TEST(Interpolation, TexturesAreLookedUpAtInterpolatedCoordinates) {
 }
 
 TEST(Interpolation, MirroredLightIsInterpolatedAsAColour) {
-  // Half a mirror before an even wall: local light is shaded again, mirrored light is that of the neighbours.
+  // Half a mirror in front of a wall with a colour gradient: local light is computed again, mirrored light is
+  // interpolated.
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.5F);
   add_wall(scene, 0, 4, {.base_colour = glm::vec3(0.8F), .mirror = 0.5F});

@@ -93,7 +93,7 @@ T& find_bound(std::map<std::string, T, std::less<>>& all, const std::string& nam
   return at->second;
 }
 
-/// Executes a kernel's graph item by item. It keeps the values of the current and of the previous item.
+/// Interpreter that executes a kernel's graph item by item. It stores the values of the current and the previous item.
 class Interpreter {
  public:
   Interpreter(const Graph& graph, Environment& environment)

@@ -14,7 +14,8 @@ using traces::Material;
 using Alpha = traces::Material::Alpha;
 using traces::RayKind;
 
-/// A white wall at z = 0, lit from straight ahead with 1, and panes before it that the camera does not see.
+/// A scene of a white wall at z = 0, lit from the front with irradiance 1, and panes that shade it but are outside the
+/// view.
 struct Shadow {
   traces::Scene scene = empty_scene();
   Shadow() {

@@ -10,7 +10,7 @@
 #include "showcase.h"
 #include "traces/accel/build/material_tables.h"
 
-// Which mip levels lookups select, and how they change pictures.
+// Tests of mip levels: which ones lookups select, and how they change pictures.
 
 namespace kernels {
 namespace {
@@ -129,7 +129,7 @@ std::vector<std::uint32_t> levels_seen(const traces::Scene& scene, const glm::ve
 
 using Levels = std::vector<std::uint32_t>;
 
-/// 512 texels per unit: a pixel covers 2 texels per unit of distance.
+/// The texture has 512 texels per unit, so a pixel covers 2 texels per unit of distance.
 TEST(RayCones, GrowWithTheDistance) {
   const traces::Scene scene = chequered_wall();
   EXPECT_EQ(levels_seen(scene, {0, 0, 0.25F}, {0, 0, 0}, 1), Levels{0});
@@ -167,8 +167,8 @@ TEST(RayCones, FollowAnInstancesScale) {
   EXPECT_EQ(levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1, {.instances = traces::InstanceLevels::kTwoLevel}), flat);
 }
 
-/// Density is the root of a ratio of areas. A scale along the normal does not change it; a scale of 4 along one axis of
-/// the surface halves it.
+/// Texel density is the root of a ratio of areas. A scale along the normal does not change it; a scale of 4 along one
+/// axis of the surface halves it.
 TEST(RayCones, FollowScalesThatDifferByAxis) {
   const traces::Scene wall = chequered_wall();
   const auto levels = [&](const glm::vec3& scale, float degrees, traces::InstanceLevels instances) {

@@ -11,7 +11,7 @@
 namespace kernels {
 namespace {
 
-/// A kernel with one port of records R. Its name is that of an array if kKnown.
+/// A kernel with one port of records R. The port has the name of a known array if kKnown.
 template <template <class> class R, bool kKnown>
 struct OnePort {
   static constexpr std::string_view kName = "one_port";

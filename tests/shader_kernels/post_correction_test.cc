@@ -10,7 +10,7 @@
 #include "sim/hash.h"
 #include "tests/full_size.h"
 
-// Post-correction along thin objects that only some samples hit.
+// Tests of post-correction along thin objects that only some samples hit.
 
 namespace kernels {
 namespace {
@@ -54,7 +54,7 @@ UndersampleConfig scanning(Correction scans, Neighbourhood neighbours = Neighbou
   return config;
 }
 
-/// The picture of a rod, once fully traced and once undersampled without correction.
+/// A picture of a rod, fully traced, and undersampled without correction.
 struct Rod {
   Rod(std::uint32_t seed, float pixels_thick)
       : stage(rod_of(seed, pixels_thick)),
@@ -64,14 +64,14 @@ struct Rod {
   const Stage stage;
   const Sampled truth, without;
 
-  /// True if any sample hits the rod. Otherwise no scan can follow it.
+  /// True if any traced sample hits the rod. Otherwise no correction scan can find it.
   bool met() const {
     for (std::size_t pixel = 0; pixel < kSide * kSide; ++pixel) {
       if (shows_rod(without, pixel)) return true;
     }
     return false;
   }
-  /// Counts the pixels that are lost without correction, and those that the correction recovers.
+  /// Counts the pixels of the rod that are lost without correction, and those that the correction recovers.
   Recovered recovered(const UndersampleConfig& config) const {
     const Sampled with = stage.undersample(render, config);
     Recovered out;
@@ -84,9 +84,9 @@ struct Rod {
   }
 };
 
-/// Targets: 0.95 of the lost pixels, 0.98 of those of rods that a sample hits. A rod along a row without references is
-/// hit by none, so no scan leads to it, and it loses more pixels than ten others. Sixty rods therefore give a poor
-/// estimate (tests/validation/DEVIATIONS.md, A5).
+/// Targets: correction recovers 95 % of lost pixels, and 98 % on rods that a sample hits. No sample hits a rod along a
+/// row without references, so no scan can find it; such a rod loses more pixels than ten others. Sixty rods therefore
+/// give a poor estimate (tests/validation/DEVIATIONS.md, A5).
 TEST(PostCorrection, FourScansRecoverRodsThickerThanAPixel) {
   const std::uint32_t many = test::full_or(100U, 15U) * kRods;
   Recovered all, met;

@@ -9,7 +9,7 @@
 #include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 
-// Rounds of supersample's propagation: a sub-pixel that differs from an active neighbour is sampled too.
+// Tests of propagation in `supersample`: a sub-pixel that differs from an active neighbour is sampled, too.
 
 namespace kernels {
 namespace {
@@ -21,7 +21,8 @@ struct Propagated {
   std::vector<traces::TileWork> works;
 };
 
-/// Returns slanted bars, a third of a pixel wide, before a wall: centres hit some of a bar's pixels.
+/// Returns a scene of slanted bars, a third of a pixel wide, in front of a wall. Pixel centres hit a bar only in some
+/// pixels.
 traces::Scene bars() {
   traces::Scene scene = empty_scene();
   add_wall(scene, -1, 20, {.base_colour = glm::vec3(0), .emission = {0, 0, 0.5F}});
@@ -183,8 +184,8 @@ TEST(Propagation, ARoundReadsNothingInTilesWithoutActiveNeighbours) {
   EXPECT_GT(busy, 0U);
 }
 
-/// Returns the sub-pixels that a round makes active among 2 x 2 pixels. Sub-pixels are encoded greys, and active by
-/// `reasons` since round `made` if that is not 0.
+/// Returns the sub-pixels of 2 x 2 pixels that one round makes active. Colours are encoded grey values. Sub-pixels are
+/// active for `reasons` since round `made`, if that is not 0.
 std::vector<std::uint32_t> found(const std::array<float, 16>& greys, const std::array<std::uint32_t, 16>& made,
                                  Attribute reason, double threshold) {
   std::vector<SubpixelRecord<float>> states(36);

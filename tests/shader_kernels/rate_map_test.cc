@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "tests/param_name.h"
 
-// Block sides of tiles over several frames.
+// Tests of rate control: the block sides of tiles over several frames.
 
 namespace kernels {
 namespace {
@@ -58,7 +58,7 @@ TEST(RateMap, HoldsAfterAFall) {
 }
 
 TEST(RateMap, AlternateTakesTheThresholdsInTurn) {
-  // 0.92 is between the thresholds: sufficient only in frames 1, 3, 5 ...
+  // 0.92 is between the thresholds, so that it suffices only in frames 1, 3, 5 ...
   MultirateConfig config = controlled(RateControl::kAlternate);
   config.rate_hold = 0;
   EXPECT_EQ(blocks(config, 0.92F, 0.92F, 6), (std::vector<std::uint32_t>{2, 2, 4, 2, 4, 2}));
@@ -92,7 +92,7 @@ TEST(RateMap, AStaticViewChangesAtMostOnceUpAndOnceDownInAnyEightFrames) {
   }
 }
 
-/// Frames whose tiles have block side 2 or 4, by the bits of a number.
+/// Tests on a frame whose tiles have block side 2 or 4, by the bits of the parameter.
 class MixedRates : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr std::uint32_t kWidth = 75, kHeight = 41;

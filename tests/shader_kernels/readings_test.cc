@@ -22,7 +22,7 @@ constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on
 /// Binds every port of a kernel to random records, and every uniform to a random value.
 class RandomPorts {
  public:
-  /// `with_identities`: verdict words are those of block programs, otherwise those of sub-pixels.
+  /// `with_identities`: verdict words have the format of block programs, otherwise that of sub-pixels.
   RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
       : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
@@ -94,8 +94,8 @@ class RandomPorts {
     return at != index_.end();
   }
 
-  /// Returns the value of a count, or 0 if the name is not one. Counts fit each other: 4 samples per pixel, 5 pixels
-  /// per row, blocks of 2 to 4.
+  /// Returns a value for a uniform that is a count, or 0 if it is none. Counts are consistent: 4 samples per pixel, 5
+  /// pixels per row, blocks of 2 to 4.
   float counted(std::string_view name) const {
     const float block = static_cast<float>(2 + seed_ % 3);
     if (name.ends_with("samples")) return 4;

@@ -4,7 +4,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// How often each check fails: exactly where its attribute differs.
+// Tests of similarity checks: each fails exactly where its attribute differs.
 
 namespace kernels {
 namespace {

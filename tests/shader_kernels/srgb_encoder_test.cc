@@ -8,7 +8,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
-// The DMA encodes pixels as the kernel does.
+// Tests that the DMA encodes pixels to sRGB as the kernel does.
 
 namespace kernels {
 namespace {

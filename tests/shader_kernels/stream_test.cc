@@ -16,7 +16,7 @@ using traces::Edge;
 using traces::RayKind;
 using traces::WorkNode;
 
-/// Tests of the work of every tile of a scene at a low, odd resolution.
+/// Tests of the recorded work of every tile of a scene, at a low, odd resolution.
 class Stream : public testing::TestWithParam<const char*> {
  protected:
   static traces::Scene scene() {
@@ -120,7 +120,7 @@ TEST_P(Stream, EveryItemIsCountedOnce) {
     EXPECT_EQ(items["generate_rays"], tile.work.samples);
     EXPECT_EQ(items["classify_hits"], items["shade_background"] + items["shade_surface"]);
     EXPECT_EQ(items["classify_surfaces"], items["shade_surface"]);
-    // A continuing ray makes no new hit.
+    // A ray that continues through a surface makes no new hit record.
     EXPECT_EQ(items["scatter_layers"], tile.continued);
     EXPECT_EQ(items["classify_hits"] + items["combine_shadow"] + tile.continued, tile.work.ray_begin.size());
     EXPECT_LE(items["combine_shadow"], tile.rays[1]);

@@ -13,7 +13,7 @@
 namespace kernels {
 namespace {
 
-/// Exact inverse of sRGB encoding.
+/// Returns the exact inverse of the sRGB encoding.
 float linear(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
 
 TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
@@ -24,8 +24,8 @@ TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
   EXPECT_EQ(channel_contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
 }
 
-/// Returns the verdict word of sub-pixel 1 of the first of two pixels, which is compared with the second. Their encoded
-/// colours are 0 and `colour`, their objects 1 and `object`.
+/// Returns the verdict word of sub-pixel 1 of the first of two pixels, which is compared with the second pixel. The
+/// pixels have the encoded colours 0 and `colour`, and the objects 1 and `object`.
 std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, double object_threshold) {
   std::array<TraitsRecord<float>, 2> traits{};
   traits[0].normal = traits[1].normal = {0, 0, 1};

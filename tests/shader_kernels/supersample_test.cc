@@ -28,7 +28,7 @@ double& threshold(SupersampleConfig& c, Reason of) {
   return *all[static_cast<std::size_t>(of)];
 }
 
-/// A frame, and its last tile's result. If the tile is as large as the picture, that is the only tile.
+/// The result of a frame, and of its last tile, which is the only one if it covers the picture.
 struct Result {
   std::vector<float> rgb;
   Sampling sampling;
@@ -164,7 +164,7 @@ traces::Scene mirrored_room() {
   return scene;
 }
 
-/// True if attribute `of` differs between a pixel and a neighbour, written again for comparison.
+/// True if attribute `of` differs between a pixel and a neighbour. A second implementation, for comparison.
 bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<float>& other) {
   switch (of) {
     case Reason::kObject:
@@ -275,7 +275,7 @@ TEST(Off, LeavesAPixelToTheOtherAttributes) {
 }
 
 TEST(Branches, TheStrongerBranchIsKept) {
-  // A pane of glass, seen head-on, mirrors 4 percent, so the wall behind it counts, not the one behind the eye.
+  // A pane of glass, seen head-on, reflects 4 %, so the wall seen through it decides, not the reflected one.
   traces::Scene scene;
   const std::uint32_t glass = traces::add_material(scene, {.name = "glass", .transmission = 1});
   const std::uint32_t grey = traces::add_material(scene, {.name = "grey"});

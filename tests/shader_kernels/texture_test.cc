@@ -13,7 +13,7 @@ using Wrap = traces::Texture::Wrap;
 float exactly_decoded(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
 float exactly_encoded(float x) { return x <= 0.0031308F ? x * 12.92F : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F; }
 
-/// Runs shade_textured for one surface of white base colour; its reads are appended to `log`.
+/// Runs the kernel shade_textured for one surface of white base colour, and appends its reads to `log`.
 float fetch_red(const traces::Texture& texture, float u, float v, std::vector<traces::Access>* log = nullptr) {
   const std::uint32_t stream[] = {0};
   const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u, texture.filter),
@@ -89,7 +89,7 @@ TEST(Textures, NearestTakesTheTexelAtTheCoordinate) {
         EXPECT_EQ(log.back().element, log.back().element2);
       }
     }
-    // The edges of the texture, and coordinates far outside.
+    // At the edges of the texture, and far outside.
     EXPECT_NEAR(fetch_red(texture, 0, 0, &log), texel(0, 0), kTolerance);
     EXPECT_NEAR(fetch_red(texture, 1, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);
     EXPECT_NEAR(fetch_red(texture, 1.1F, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);

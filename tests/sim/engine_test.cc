@@ -7,7 +7,7 @@
 namespace sim::test {
 namespace {
 
-/// Returns all combinations of clocks, depths and intervals of a small machine.
+/// Returns the configurations of a small pipeline in all combinations of clocks, depths and intervals.
 std::vector<PipelineConfig> machines() {
   std::vector<PipelineConfig> all;
   for (std::uint64_t i = 0; i < 300; ++i) {
@@ -26,7 +26,7 @@ std::vector<PipelineConfig> machines() {
   return all;
 }
 
-/// Results of a run: its end, what arrived when, and each unit's time by reason.
+/// Results of a run: its end, the items with their arrival times, and each unit's time by reason.
 struct Outcome {
   Time end = 0;
   std::vector<std::uint64_t> taken;
@@ -162,7 +162,7 @@ TEST(Engine, AMachineThatRetiresNothingIsInALivelock) {
 TEST(Engine, AMachineThatRetiresWithinItsTimeoutIsInNoLivelock) {
   PipelineConfig c;
   c.interval = 100;
-  c.livelock_timeout = 2 * 100 + 2 * (1 + 3 + 1);  // one rest of the sink plus the latency to it
+  c.livelock_timeout = 2 * 100 + 2 * (1 + 3 + 1);  // one interval of the sink plus the latency of the link
   Pipeline machine(c);
   EXPECT_NO_THROW(run(machine));
   EXPECT_EQ(machine.sink.taken.size(), c.items);

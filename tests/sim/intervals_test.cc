@@ -7,7 +7,7 @@
 namespace sim::test {
 namespace {
 
-/// Records a value that counts femtoseconds until `end`.
+/// Records a counter of femtoseconds until `end`, and returns the recorded intervals.
 Intervals recorded(Time length, std::size_t most, Time end) {
   Intervals intervals(length, most);
   intervals.allocate_rows(1);

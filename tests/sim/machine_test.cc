@@ -9,7 +9,7 @@
 
 #include "sim/engine.h"
 
-// Properties that follow from declared units and links.
+// Tests of properties that a machine derives from declared units and links.
 
 namespace sim::test {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 enum class Side : std::uint8_t { kNear, kFar };
 constexpr std::array<std::string_view, 2> names_of(Side) { return {"near", "far"}; }
 
-/// Passes numbers on, one at a time.
+/// Test unit that forwards numbers, one at a time.
 class Relay {
  public:
   static constexpr Side kBlock = Side::kFar;
@@ -61,7 +61,7 @@ class Relay {
   Activity<CycleReason> activity_;
 };
 
-/// fast giver --> slow taker
+/// A machine of two units: fast giver --> slow taker.
 struct Pair {
   explicit Pair(std::uint64_t synchroniser = 0, std::size_t giver_partition = 0, int numbers = 1)
       : machine_(synchroniser),
@@ -177,7 +177,7 @@ TEST(Machine, PartitionsShareNoGroupOfWakeUpTimes) {
   EXPECT_EQ(pair.machine().wake_time(pair.taker), 0U);
 }
 
-/// giver --> sorter (a cluster) --> slow porter, all of one outer partition --> slower taker
+/// A machine: giver --> sorter (a cluster) --> slow porter, all in one outer partition --> slower taker.
 struct Chain {
   explicit Chain(int numbers) : expected(static_cast<std::uint64_t>(numbers)) {
     giving = &machine_.build<Relay>(giver, Clock(2), nullptr, &given, numbers);
@@ -188,7 +188,7 @@ struct Chain {
   }
   Machine& machine() { return machine_; }
   bool done() const { return taking->stats().taken == expected; }
-  /// Near the end, the limits are the current time, because the run may end at any time.
+  /// Returns the current time near the end, because the run may finish at any time.
   RunLimits run_limits(Time now) const {
     const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.min_lookahead();
     return {end, end};

@@ -12,14 +12,14 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Sweeps on a real Slurm of three nodes, which runs on the loopback interface while this program runs.
+// Tests of sweeps on a real Slurm of three nodes, which this program runs on the loopback interface.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-// 25 points; one of them cannot be computed.
+// A sweep of 25 points; one cannot be computed.
 constexpr const char* kSweep =
     "schema: raywatt-sweep/1\n"
     "resolution: 64x32\n"
@@ -29,7 +29,7 @@ constexpr const char* kSweep =
 constexpr std::size_t kPoints = 25, kGoodPoints = 24;
 constexpr std::size_t kLargestArray = 11;
 
-/// True if the process belongs to a job on that node.
+/// True if a process belongs to a job on a node.
 bool is_on(const std::string& node, const std::string& process) {
   std::ifstream file("/proc/" + process + "/environ");
   const std::string variables((std::istreambuf_iterator<char>(file)), {});
@@ -79,8 +79,8 @@ struct Slurm : testing::Test {
     }();
     return table;
   }
-  /// Stops a process of that node in the middle of a point, after `finished` points, so that it still exists when the
-  /// node is lost.
+  /// Stops a process of a node while it computes a point, once `finished` points are done. The process then still
+  /// exists when the node is lost.
   void stop_a_worker_on(const std::string& node, std::size_t finished) {
     std::string worker;
     const auto is_computing = [&] {
@@ -96,7 +96,7 @@ struct Slurm : testing::Test {
     ASSERT_TRUE(wait_until([&] { return points_in(store) >= finished && is_computing(); }));
     ::kill(std::stoi(worker), SIGSTOP);
   }
-  /// Returns the modification times of the results by id; a replaced result has a new time.
+  /// Returns the modification times of the results by point id. A result that was replaced has a new time.
   std::map<std::string, fs::file_time_type> results() {
     std::map<std::string, fs::file_time_type> times;
     std::error_code missing;

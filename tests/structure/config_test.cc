@@ -9,7 +9,7 @@
 #include "tests/structure/repository.h"
 #include "tools/run/frame/load_config.h"
 
-// Every number of the default machine stands in a file, and says where it comes from.
+// Tests that every number of the default machine is in a configuration file and has its source in a comment.
 
 namespace test {
 namespace {
@@ -19,14 +19,14 @@ using Kind = sim::YamlNode::Kind;
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
 
-/// A value given in a file: its path from the file's own root, and the line it stands in.
+/// A value in a configuration file: its key path within the file, and its line.
 struct Given {
   std::string path;
   std::string line;
   std::string where;  ///< "file:line"
 };
 
-/// A figure with its band, {low, nominal, high}, is one value.
+/// True if a mapping is one value with a band, {low, nominal, high}.
 bool is_band(const sim::YamlNode& node) { return node.find("nominal") != nullptr; }
 
 void collect(const sim::YamlNode& mapping, const std::string& above, const fs::path& file,
@@ -51,7 +51,8 @@ std::vector<Given> given_in(const fs::path& file) {
 
 bool ends_with_key(const std::string& path, const std::string& key) { return path == key || path.ends_with("." + key); }
 
-/// Every path that a file and the files it extends give, under `above`.
+/// Adds the key paths of all values in a file, and in the files that it extends, to `paths`. `above`: prefix of the
+/// paths.
 void add_given(const fs::path& file, const std::string& above, std::set<std::string>& paths) {
   for (const Given& value : given_in(file)) {
     const std::string path = above + value.path;
@@ -73,7 +74,7 @@ std::vector<fs::path> yaml_files() {
   std::vector<fs::path> files;
   for (const fs::path& file : repository_files()) {
     if ((file.string().starts_with("configs/") || file.string().starts_with("traces/workloads/")) &&
-        !file.string().starts_with("configs/experiments/") &&  // sweeps, which give no figures
+        !file.string().starts_with("configs/experiments/") &&  // sweeps, which have no values of a machine
         file.extension() == ".yaml") {
       files.push_back(file);
     }
@@ -87,7 +88,7 @@ TEST(Configs, EveryValueSaysItsSource) {
     for (const Given& value : given_in(file)) {
       if (ends_with_key(value.path, "extends") || value.path == "process" || value.path == "scene.name" ||
           value.path == "scene.camera") {
-        continue;  // names, not figures
+        continue;  // names, not numbers
       }
       EXPECT_NE(value.line.find("  # source: "), std::string::npos) << value.where << ": " << value.path;
     }
@@ -98,7 +99,7 @@ TEST(Configs, TheDefaultMachineLeavesNoFieldToTheCode) {
   std::set<std::string> given;
   add_given("configs/sgrt-2016.yaml", "", given);
   for (const sim::FieldInfo& field : sim::list_fields(tools::RunConfig())) {
-    if (field.path.starts_with("scene.")) continue;  // the workload's, not the machine's
+    if (field.path.starts_with("scene.")) continue;  // belongs to the workload, not to the machine
     const bool is_map = field.kind == sim::FieldKind::kBandMap;
     const auto at = given.lower_bound(field.path);
     const bool found = at != given.end() && (*at == field.path || (is_map && at->starts_with(field.path + ".")));

@@ -10,7 +10,7 @@
 
 #include "tests/structure/repository.h"
 
-// Pages say where things are, so what they name is there.
+// Tests that files and headings which documentation pages name exist.
 
 namespace test {
 namespace {
@@ -28,7 +28,7 @@ struct Line {
   std::string where;  ///< "file:line"
 };
 
-/// The lines of a page that are not in blocks of code.
+/// Returns the lines of a page that are not in code blocks.
 std::vector<Line> prose_of(const fs::path& document) {
   std::vector<Line> prose;
   bool code = false;
@@ -41,14 +41,14 @@ std::vector<Line> prose_of(const fs::path& document) {
   return prose;
 }
 
-/// What the parts of a line are that match an expression's only group.
+/// Returns the matches of an expression's only group in a line.
 std::vector<std::string> matches(const std::string& line, const std::regex& expression) {
   std::vector<std::string> found;
   for (std::sregex_iterator i(line.begin(), line.end(), expression), end; i != end; ++i) found.push_back((*i)[1]);
   return found;
 }
 
-/// The name by which a link finds a heading, as GitHub makes it.
+/// Returns the anchor of a heading for links, as GitHub generates it.
 std::string anchor_of(const std::string& heading) {
   std::string anchor;
   for (const char c : heading.substr(heading.find_first_not_of("# "))) {
@@ -87,7 +87,7 @@ TEST(Documents, LinkToWhatIsThere) {
 }
 
 TEST(Documents, NameSourceFilesThatAreThere) {
-  // A word in capitals stands for any name.
+  // A word in capitals is a placeholder for any name.
   static const std::regex kSource("`([A-Za-z0-9_][A-Za-z0-9_./-]*[a-z0-9_]\\.(?:h|cc))`");
   const std::vector<fs::path> sources = source_files();
   for (const fs::path& document : documents()) {
@@ -106,7 +106,7 @@ TEST(Documents, NameSourceFilesThatAreThere) {
 
 constexpr std::size_t kScreen = 60;
 
-/// Folders that a newcomer opens: their pages also say how to add something.
+/// Returns the main folders, whose README.md must also describe how to add something.
 std::set<fs::path> folders_with_a_page() {
   static constexpr std::array<std::string_view, 5> kTops = {"sim", "hw_models", "shader_kernels", "traces", "tools"};
   std::set<fs::path> folders = {"configs", "tests"};
@@ -135,7 +135,8 @@ TEST(Folders, HaveAPageOfAScreen) {
   }
 }
 
-/// Patterns of the sources that a page names: "plan" of `spec/plan.h`, "supersample_[a-z0-9_]*" of `supersample_*.cc`.
+/// Returns patterns of the source files that a page names: "plan" for `spec/plan.h`, "supersample_[a-z0-9_]*" for
+/// `supersample_*.cc`.
 std::vector<std::regex> sources_named_by(const fs::path& page) {
   static const std::regex kSource("`([A-Za-z0-9_./*-]+)\\.(?:h|cc)`"), kStar("\\*");
   std::vector<std::regex> named;
@@ -148,7 +149,7 @@ std::vector<std::regex> sources_named_by(const fs::path& page) {
 }
 
 TEST(Folders, HaveAPageThatNamesEverySource) {
-  // Of the tests, which mirror the others, one page says enough.
+  // Folders of tests mirror the others, so that one page for all of them is enough.
   std::map<fs::path, std::set<std::string>> sources;
   for (const fs::path& file : source_files()) {
     if (*file.begin() != "tests") sources[file.parent_path()].insert(file.stem().string());

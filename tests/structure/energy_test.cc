@@ -14,16 +14,16 @@
 #include "sim/report/table_checks.h"
 #include "tools/run/frame/run_job.h"
 
-// What counters name as their energy events, and what the energy files have figures for, is the same set.
+// Tests that the energy events which counters name are exactly those with values in the energy files.
 
 namespace test {
 namespace {
 
-/// The default machine, after a picture of one tile was played on it.
+/// Results of simulating a picture of one tile on the default machine.
 struct Played {
   tools::RunConfig config;
   std::vector<sim::UnitReport> units;
-  std::map<std::string, sim::DeviceEvent> device;  ///< events that the DRAM model has worked out
+  std::map<std::string, sim::DeviceEvent> device;  ///< events whose energy the DRAM model computes
   std::set<std::string> counted;                   ///< events that counters name
 };
 
@@ -82,7 +82,7 @@ TEST(EnergyTable, HasThePartsOfTheMachinesUnitsAndNoOthers) {
   for (const auto* table : {&played().config.energy.parts, &played().config.energy.parts_in_logic}) {
     std::set<std::string> names;
     for (const auto& [name, figure] : *table) names.insert(name);
-    // The shader core's table goes by its block, as its logic does.
+    // Parts of the shader core are named after its area block, as its logic is.
     std::set<std::string> known;
     for (std::string part : parts) known.insert(part.starts_with("srp.srp.") ? part.substr(4) : part);
     EXPECT_EQ(names, known);

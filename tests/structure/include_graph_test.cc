@@ -13,7 +13,8 @@
 #include "tests/structure/repository.h"
 #include "tests/structure/sources.h"
 
-// Folders include each other without a circle, and docs/includes.md shows how. After a change of the graph:
+// Tests that includes between folders have no cycle, and that docs/includes.md draws them. After a change of the graph
+// run:
 //   RAYWATT_UPDATE=1 build/release/tests/test_structure --gtest_filter='IncludeGraph.*'
 
 namespace test {
@@ -21,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folder, and what it includes.
+/// For each folder, the folders that its files include.
 using Graph = std::map<std::string, std::set<std::string>>;
 
-/// Folders whose own folders are parts of them.
+/// Folders that are drawn as one node together with their subfolders.
 constexpr std::array kWhole = {"shader_kernels/kernels", "traces/accel/", "traces/scene/", "traces/scenes/",
                                "tools/studies/optimise/"};
 
@@ -49,7 +50,7 @@ Graph include_graph() {
   return graph;
 }
 
-/// Folders from the bottom up; fewer than there are if some include each other in a circle.
+/// Returns the folders from the bottom up. Folders in or above a cycle are missing.
 std::vector<std::string> bottom_up(const Graph& graph) {
   std::vector<std::string> order;
   const auto placed = [&](const std::string& folder) { return std::ranges::count(order, folder) != 0; };
@@ -64,7 +65,7 @@ std::vector<std::string> bottom_up(const Graph& graph) {
   return order;
 }
 
-/// Of the folders below one, those that it does not reach through another: the arrows of the drawing.
+/// Returns the folders that a folder includes and does not reach through another one: its arrows in the drawing.
 std::set<std::string> arrows(const Graph& graph, const std::string& folder) {
   std::set<std::string> indirect;
   const std::function<void(const std::string&)> add = [&](const std::string& at) {

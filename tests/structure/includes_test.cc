@@ -9,7 +9,7 @@
 #include "tests/structure/repository.h"
 #include "tests/structure/sources.h"
 
-// The folders are floors of one house: includes point down only.
+// Tests that files include only files of the same or a lower layer. Layers are called floors here.
 
 namespace test {
 namespace {
@@ -21,7 +21,7 @@ struct Floor {
   int height;
 };
 
-/// A file belongs to the first folder of these that it is in.
+/// Heights of the folders. A file belongs to the first folder in this list that contains it.
 constexpr std::array kFloors = {
     Floor{"tests", 20},
     Floor{"tools/cli", 19},
@@ -98,7 +98,7 @@ TEST(Headers, AllBeginWithPragmaOnce) {
 }
 
 TEST(Files, MentionNoFolderOfAMachine) {
-  // In pieces, so that this file does not mention them either.
+  // Split into pieces, so that this file does not match its own expression.
   static const std::regex kMachine(std::string("(^|[^A-Za-z0-9_.~/-])/") +
                                    "(home|root|work|Users|mnt|media|scratch)/[A-Za-z0-9_.-]");
   for (const fs::path& file : repository_files()) {

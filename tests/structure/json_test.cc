@@ -3,8 +3,8 @@
 #include "tests/structure/repository.h"
 #include "tests/structure/sources.h"
 
-// JSON from outside comes through one reader, which bounds how deep it is nested. The library that parses is included
-// by that reader alone: its templates took most of the time that tools/ took to compile.
+// Tests that all JSON input is parsed by one reader, which limits its nesting. Only that reader includes the JSON
+// library, because its templates took most of the compile time of tools/.
 
 namespace test {
 namespace {

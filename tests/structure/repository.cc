@@ -24,7 +24,7 @@ std::vector<fs::path> repository_files() {
   std::vector<fs::path> files;
   for (auto entry = fs::recursive_directory_iterator(repository()); entry != fs::end(entry); ++entry) {
     if (entry->is_directory() && is_skipped(entry->path())) entry.disable_recursion_pending();
-    if (entry->path().filename() == ".git") continue;  // of a second working tree, it is a file
+    if (entry->path().filename() == ".git") continue;  // a file, not a folder, in a second working tree
     if (entry->is_regular_file()) files.push_back(entry->path().lexically_relative(repository()));
   }
   std::ranges::sort(files);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t";
 
-/// Index behind the literal that begins at `at`; a line ends it in any case.
+/// Returns the index after the literal that begins at `at`, or the end of the line.
 std::size_t end_of_literal(const std::string& line, std::size_t at) {
   const char quote = line[at];
   for (std::size_t i = at + 1; i < line.size(); ++i) {
@@ -26,7 +26,7 @@ std::size_t end_of_literal(const std::string& line, std::size_t at) {
   return line.size();
 }
 
-/// An apostrophe between digits is part of a number.
+/// True if a literal begins at `at`. An apostrophe between digits is part of a number.
 bool begins_literal(const std::string& line, std::size_t at) {
   if (line[at] == '"') return true;
   return line[at] == '\'' && (at == 0 || std::isalnum(static_cast<unsigned char>(line[at - 1])) == 0);

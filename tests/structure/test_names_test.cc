@@ -5,7 +5,7 @@
 
 #include "tests/structure/repository.h"
 
-// Suite and name of a test are a sentence in PascalCase, as CONTRIBUTING.md has it.
+// Tests that suite and name of each test are a sentence in PascalCase, as CONTRIBUTING.md demands.
 
 namespace test {
 namespace {

@@ -8,21 +8,21 @@
 #include "tests/structure/repository.h"
 #include "tests/structure/sources.h"
 
-// The words of the field (docs/glossary.md), not our own: what the code once called things stays out of it. Names that
-// users see (strings) are no business of this test.
+// Tests that retired words and phrases occur in no source. docs/glossary.md has the words to use. Names in strings,
+// which users see, are not tested.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A retired word and what stands for it now.
+/// A retired word and its replacement.
 struct Retired {
   std::string_view word, now;
-  std::string_view below = "";  ///< the folder in which it is retired; elsewhere it means something else
+  std::string_view below = "";  ///< folder in which it is retired; empty: everywhere
 };
 
-/// In code and in comments.
+/// Words that are retired in code and in comments.
 constexpr std::array kWords = {
     Retired{"islands", "partitions"},
     Retired{"Islands", "Partitions"},
@@ -44,7 +44,7 @@ constexpr std::array kWords = {
     Retired{"test bench", "harness"},
 };
 
-/// In code, as whole identifiers: in comments they are plain words.
+/// Identifiers that are retired in code. In comments they are ordinary words.
 constexpr std::array kIdentifiers = {
     Retired{"horizon", "lookahead", "sim"},
     Retired{"horizon", "lookahead", "hw_models"},
@@ -66,7 +66,7 @@ constexpr std::array kIdentifiers = {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// Index of the word in the text, as a whole word, or npos.
+/// Returns the index of a whole word in a text, or npos.
 std::size_t find_word(const std::string& text, std::string_view word) {
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
     const std::size_t end = at + word.size();
@@ -79,7 +79,7 @@ bool is_below(const fs::path& file, std::string_view folder) {
   return folder.empty() || file.generic_string().starts_with(std::string(folder) + "/");
 }
 
-/// This folder has the words in its lists.
+/// Returns all source files except those of this folder, whose lists contain the words.
 std::vector<fs::path> sources_with_words() {
   std::vector<fs::path> files = source_files();
   std::erase_if(files, [](const fs::path& file) { return is_below(file, "tests/structure"); });
@@ -106,12 +106,12 @@ TEST(Words, ThatAreRetiredAreInNoSource) {
   }
 }
 
-/// Phrases that no comment, page or message uses; CONTRIBUTING says what to write instead.
+/// Phrases that no comment, page or message may contain; CONTRIBUTING.md has replacements.
 constexpr std::array kPhrases = {"nobody",    "somebody",    "whoever",     "foresees", "foresee",
                                  "told",      "likewise",    "anew",        "so many",  "so much",
                                  "as may be", "as often as", "has come to", "of which", "is over since"};
 
-/// A text file that people read: a source, a page, a configuration or a script.
+/// True for text files that people read: sources, pages, configurations and scripts.
 bool is_read(const fs::path& file) {
   const std::string type = file.extension().string(), name = file.filename().string();
   const bool script = type.empty() && (is_below(file, "tools") || is_below(file, "docs") || is_below(file, ".ci"));

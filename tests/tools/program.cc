@@ -31,7 +31,7 @@ void become_unread_pipe(int stream) {
   ::close(ends[1]);
 }
 
-/// In the child: what a terminal would give, whatever this test was started by, then the program.
+/// Runs in the child process: sets signals and environment as in a terminal, then starts the program.
 [[noreturn]] void become_program(const Words& words, const Surroundings& around, const std::string& out,
                                  const std::string& err) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_DFL);

@@ -12,8 +12,8 @@
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Adaptive sampling compared with publications. Deviations are explained in DEVIATIONS.md and asserted here at their
-// measured range.
+// Compares adaptive sampling with publications. DEVIATIONS.md explains deviations. Tests assert their measured range,
+// so that a change is noticed.
 
 namespace tools {
 namespace {
@@ -29,13 +29,13 @@ JobOptions reproduction(const std::string& scene, const std::string& resolution,
 
 double tni_pj(const FrameResult& s) { return s.energy.blocks.at("tni").total().nominal; }
 
-/// A method compared with its reference (Lee et al. 2016, figure 7).
+/// Metrics of a sampling method relative to its reference (Lee et al. 2016, figure 7).
 struct Gain {
   double traced_ratio = 0;
   double work = 0;  ///< traversal steps relative to the reference
   double speed_up = 0;
-  double power = 0, perf_per_watt = 0;  ///< of the T&I units only
-  double check = 0, interpolation = 0;  ///< shares of the shader cores' cycles
+  double power = 0, perf_per_watt = 0;  ///< of the T&I units alone
+  double check = 0, interpolation = 0;  ///< as shares of the shader cores' cycles
   double starved = 0;
 
   Gain(const std::string& scene, const std::string& program, const std::string& reference,
@@ -57,7 +57,7 @@ struct Gain {
   }
 };
 
-/// A1 to A3: the shader cores limit the frame.
+/// Deviations A1 to A3: the shader cores limit the frame.
 void expect_as_measured(const Gain& g) {
   expect_between("speed-up x work, published 1", g.speed_up * g.work, 0.35, 0.85);
   expect_between("power of the T&I units, published 1 to 1.09", g.power, 0.45, 0.85);
@@ -113,7 +113,7 @@ TEST(SgrtBalanced, SpeedFollowsTheWorkSavedAsItsTraversalUnitsSetThePace) {
   EXPECT_GT(gains[0].speed_up, gains[1].speed_up);
 }
 
-/// Samples that undersample traces, without a machine.
+/// Renders a frame with `undersample`, without simulating a machine.
 tools::RenderResult undersampled(const std::string& scene, const std::string& resolution, std::uint32_t samples = 1) {
   Inputs inputs = load_inputs(reproduction(scene, resolution));
   inputs.config.programs.undersample.samples = samples;

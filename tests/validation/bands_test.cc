@@ -8,8 +8,8 @@
 #include "tests/validation/figures.h"
 #include "tools/run/frame/run_job.h"
 
-// Plausible bands for a machine of this class. Values outside their band are explained in DEVIATIONS.md and asserted
-// here at their measured range, so that closing a gap is noticed.
+// Compares metrics with plausible bands for a machine of this class. DEVIATIONS.md explains values outside their band.
+// Tests assert their measured range, so that closing a gap is noticed.
 
 namespace tools {
 namespace {
@@ -72,7 +72,7 @@ TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {
   expect_between("share of DRAM", held.dram_share, 0.10, 0.12);  // just above its band: D2
 }
 
-/// Returns an empty path if real scenes are not available.
+/// Returns the path of a real scene file; empty if it is not available.
 std::string real_scene(const char* name) {
   const std::filesystem::path file = test::scenes_folder() / name;
   return std::filesystem::exists(file) ? file.string() : "";

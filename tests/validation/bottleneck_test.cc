@@ -7,9 +7,9 @@
 #include "hw_models/machines/gpu_config.h"
 #include "tests/full_size.h"
 
-// The resource that the counters of one run name gives the largest speed-up if ideal, within 2 %. Uses small built-in
-// scenes on machines with different limits, at
-// full size larger ones; docs/bottleneck.md has random machines.
+// Tests that the resource estimated as bottleneck from one run's counters gives the largest speed-up if ideal, within 2
+// %. Uses small built-in scenes on machines with different bottlenecks, at full size larger scenes; docs/bottleneck.md
+// has random machines.
 
 namespace tools {
 namespace {

@@ -12,13 +12,13 @@
 #include "tools/studies/reproduce/runner.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Subpixel reconstruction compared with its requirements. Deviations are explained in DEVIATIONS.md and asserted here
-// at their measured range.
+// Compares subpixel reconstruction with its requirements. DEVIATIONS.md explains deviations. Tests assert their
+// measured range.
 
 namespace tools::reproduce {
 namespace {
 
-/// PSNR against sixteen samples per pixel, of the whole picture and by mask.
+/// PSNR against sixteen samples per pixel, of the whole picture and by class of pixels.
 struct Quality {
   double whole = 0;
   std::map<Mask, double> at{};
@@ -81,20 +81,21 @@ TEST(Chiu, OnPlainSurfacesReconstructionReachesItsTarget) {
   EXPECT_GE(ours.at.at(Mask::kShadowEdge), sraa.at.at(Mask::kShadowEdge) + 2);
   EXPECT_GE(ours.at.at(Mask::kObjectEdge), sraa.at.at(Mask::kObjectEdge) - 0.5);
   EXPECT_GE(ours.at.at(Mask::kElsewhere), 36);
-  // The published weight of normals blurs creases.
+  // The weight of normals as published blurs creases.
   EXPECT_LT(cornell.of("reconstruct", "reconstruct.normal_weight=factor").whole, ours.whole - 0.5);
   // At equal ray counts, four samples per pixel win.
   EXPECT_GT(cornell.of("full:4", "render.samples=rotated").whole, ours.whole + 3);
 }
 
 TEST(Chiu, GeometryByRaysIsAQuarterOfTheRaysOfSixteenSamples) {
-  // Paths end after the first mirror; unshaded samples follow no second one.
+  // Paths end after the first mirror, because unshaded samples follow no second one.
   Pictures cornell("cornell", "", "96x96", "2");
   EXPECT_NEAR(cornell.rays_of_truth() / static_cast<double>(cornell.of("reconstruct").rays), 4.0, 0.02 * 4.0);
 }
 
 TEST(Chiu, GeometryByRasterisersLeavesTheRaysThatAreNotPrimary) {
-  // One of k rays per sample is primary: 16 k against 4 (k - 1) for paths that end after the first mirror (C5).
+  // One of k rays per sample is primary: 16 k rays are compared with 4 (k - 1) if paths end after the first mirror
+  // (C5).
   Pictures cornell("cornell", "", "96x96", "2");
   const double k = cornell.rays_a_sample_of_truth(), wanted = 4 * k / (k - 1);
   const auto rays = static_cast<double>(cornell.of("reconstruct", "render.primary=raster").rays);

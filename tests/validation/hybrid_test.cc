@@ -5,8 +5,8 @@
 #include "tests/validation/figures.h"
 #include "tools/studies/reproduce/plan.h"
 
-// A rasteriser with T&I units compared with rays alone and with publications. Deviations (H1 to H3) are explained in
-// DEVIATIONS.md and asserted here at their measured range, at a small resolution.
+// Compares a rasteriser with T&I units with rays alone and with publications. DEVIATIONS.md explains deviations (H1 to
+// H3). Tests assert their measured range at a small resolution.
 
 namespace tools::reproduce {
 namespace {
@@ -43,7 +43,7 @@ TEST(HybridFrames, GainLittleWhereSurfacesSendManyRays) {  // H3
   const auto half = hybrid_figures("cornell", "occlusion and soft shadows, half rate");
   expect_between("rays left at half rate", half.at("rays_ratio"), 0.74, 0.79);
   expect_between("performance per watt at half rate", half.at("gpu_perf_per_watt"), 0.93, 1.02);
-  // The lower rate saves as large a share of the time without a rasteriser.
+  // The lower rate saves the same share of time without a rasteriser.
   const double saved = half.at("cycles") / full.at("cycles");
   expect_between("cycles at half rate", saved, 0.65, 0.75);
   expect_between("of rays alone", saved * half.at("speedup") / full.at("speedup"), 0.9 * saved, saved);

@@ -8,7 +8,7 @@
 #include "tools/run/frame/ground_truth.h"
 #include "tools/run/frame/run_job.h"
 
-// Supersampling compared with Jin et al. 2009, table 2; DEVIATIONS.md explains the differences.
+// Compares supersampling with Jin et al. 2009, table 2. DEVIATIONS.md explains the differences.
 
 namespace tools {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tests/validation/figures.h"
 
-// Undersampling compared with Kim et al. 2016, tables 3 to 5; DEVIATIONS.md explains the differences.
+// Compares undersampling with Kim et al. 2016, tables 3 to 5. DEVIATIONS.md explains the differences.
 
 namespace tools::reproduce {
 namespace {

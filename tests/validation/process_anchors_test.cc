@@ -6,12 +6,12 @@
 #include "tests/validation/figures.h"
 #include "tools/run/frame/run_job.h"
 
-// Energy per ray and rays per area of the scaled tables against published chips (docs/processes.md).
+// Compares energy per ray and rays per area of scaled tables with published chips (docs/processes.md).
 
 namespace tools {
 namespace {
 
-/// Cornell on the default machine in a process; bands over the tables.
+/// Results of the Cornell box on the default machine in one process, with bands from the tables.
 struct PerRay {
   sim::Band chip_nj;  ///< without the memory
   sim::Band tni_nj;
@@ -34,7 +34,7 @@ PerRay measure_in(const std::string& process) {
           {mrays_per_s / area.high, mrays_per_s / area.nominal, mrays_per_s / area.low}};
 }
 
-// RayCore (embedded.com, "1W core"): 239 Mrays/s, 1 W and 18 mm2 at 28 nm.
+// Source: RayCore (embedded.com, "1W core"): 239 Mrays/s, 1 W and 18 mm2 at 28 nm.
 TEST(ProcessAnchors, RayCoreIsInsideTheBandsOf28Nm) {
   const PerRay at = measure_in("28nm");
   const double nj = 1 / 239e6 * 1e9, per_mm2 = 239.0 / 18;

@@ -11,12 +11,13 @@
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Rate control on a moving view: loss of picture quality against blocks of 2 everywhere (DEVIATIONS.md, A6).
+// Tests of rate control on a moving view: loss of picture quality relative to blocks of side 2 everywhere
+// (DEVIATIONS.md, A6).
 
 namespace tools {
 namespace {
 
-/// multirate:under with some configuration, frame by frame.
+/// Results of `multirate:under` over several frames.
 struct Way {
   explicit Way(const kernels::MultirateConfig& wanted) : config(wanted), rates(wanted) {}
   kernels::MultirateConfig config;

@@ -8,8 +8,8 @@
 #include "tests/validation/figures.h"
 #include "tools/studies/reproduce/plan.h"
 
-// Mechanisms of the SGRT papers compared with publications. Deviations (U1 to U5) are explained in DEVIATIONS.md and
-// asserted here at their measured range, on built-in scenes.
+// Compares mechanisms of the SGRT papers with publications. DEVIATIONS.md explains deviations (U1 to U5). Tests assert
+// their measured range on built-in scenes.
 
 namespace tools::reproduce {
 namespace {

@@ -7,7 +7,7 @@
 namespace hw::test {
 namespace {
 
-// The closed forms below are sums of JEDEC parameters in cycles of the command clock.
+// Expected latencies below are sums of JEDEC parameters, in cycles of the command clock.
 constexpr std::uint64_t kWires = DramHarness::kWires;
 const std::uint64_t kLine = 2 * kT.burst;
 const std::uint64_t kHit = kT.rl + kT.dqsck + kLine;

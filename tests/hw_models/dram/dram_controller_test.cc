@@ -3,7 +3,7 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
-// Page policies, schedulers, a device of two ranks; every kind of controller on every engine.
+// Tests of page policies, schedulers and a device of two ranks, and of every kind of controller in every engine mode.
 
 namespace hw::test {
 namespace {
@@ -171,7 +171,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnTheEngine) {
       EXPECT_EQ(spent, cycles);
       const DramChannel::Stats& s = b.stats();
       EXPECT_EQ(s.active_standby + s.precharge_standby + s.power_down, c.organisation.ranks * cycles);
-      // The second value is the remainder, so the sum alone would not show an overlap.
+      // The second share is what remains, so their sum is right even if they overlap.
       for (const std::uint64_t part : {s.active_standby, s.precharge_standby, s.power_down}) {
         EXPECT_LE(part, c.organisation.ranks * cycles) << "seed " << seed;
       }

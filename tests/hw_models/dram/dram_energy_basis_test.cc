@@ -8,7 +8,8 @@
 #include "sim/config/config.h"
 #include "sim/report/energy.h"
 
-// The energy of every grade is that of the same die with the grade's rails, pages and pins (docs/memory-grades.md).
+// Checks that the energies of all grades derive from one die, with the rails, pages and pins of the grade
+// (docs/memory-grades.md).
 
 namespace hw::test {
 namespace {
@@ -23,7 +24,7 @@ constexpr Rail kVdd2{1.05, 53, 3.9, 32.5, 40, 390, 265, 205};
 constexpr double kTrc = 61.25, kTras = 42.5, kTrfc = 280, kBurst = 256 / (16 * 7.5);  // ns
 constexpr double kDieGb = 16;
 
-/// Share of a data sheet's maximum.
+/// Assumed typical current as a share of the maximum in a data sheet.
 struct Derating {
   double low, nominal, high;
 };
@@ -34,16 +35,16 @@ sim::Band operator*(const Derating& d, const sim::Band& maximum) {
   return {d.low * maximum.low, d.nominal * maximum.nominal, d.high * maximum.high};
 }
 
-/// Interface of a grade, outside the DRAM die.
+/// Properties of a grade's interface that are not of the DRAM die.
 struct Pins {
   const char* file;
   sim::Band vdd2;          ///< V, for low, nominal and high
-  double vddq_standby_mw;  ///< of a rank's pins
+  double vddq_standby_mw;  ///< of all pins of a rank
   double vddq_down_mw;
   double moved = 1;  ///< bits that a burst moves for each bit of data
 };
 constexpr sim::Band plain(double volts) { return {volts, volts, volts}; }
-constexpr sim::Band kLpddr6Vdd2{0.875, 0.9354, 1.0};  // low and high are its two rails, nominal their mean
+constexpr sim::Band kLpddr6Vdd2{0.875, 0.9354, 1.0};  // low and high: its two rails; nominal: their mean
 constexpr std::array<Pins, 7> kPins{{{"lpddr3-1600", plain(1.2), 6 * 1.2, 0.2 * 1.2},
                                      {"lpddr4-3200", plain(1.1), 0.375 * 1.1, 0.375 * 1.1},
                                      {"lpddr4-4266", plain(1.1), 0.375 * 1.1, 0.375 * 1.1},
@@ -112,7 +113,7 @@ TEST_P(EnergyBasis, IsThatOf4GiBWith64DataLinesOr48OfLpddr6) {
   EXPECT_EQ(c.channels * c.organisation.ranks * rank_gb(c), 32);
 }
 
-/// Values of the whole memory, so that grades with wide channels are comparable.
+/// Energies of the whole memory, to compare grades of different channel widths.
 struct Cost {
   double streamed, random, idle_per_bit;  ///< pJ/bit
   double idle_mw;
@@ -135,7 +136,7 @@ TEST(EnergyOfGrades, IsNoHigherInANewerGradeStreamingAtRandomOrIdle) {
   }
 }
 
-/// Returns the energy of a bit that the device reads, core and pins, in pJ.
+/// Returns the energy per read bit in core and pins of the device, in pJ.
 sim::Band read_pj_per_bit(const char* file) {
   const DramConfig c = load_grade(file);
   return (c.energy.read_core + c.energy.read_io) * (1.0 / (8 * static_cast<double>(c.organisation.burst.bytes)));

@@ -6,7 +6,8 @@
 #include "sim/error.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
-// Rules that LPDDR5 adds: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, per-bank refresh next to activates.
+// Tests of rules that only LPDDR5 has: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, and per-bank refresh
+// close to activates.
 
 namespace hw {
 namespace {
@@ -95,8 +96,8 @@ TEST(Lpddr5, AColumnCommandAfterAPauseBeginsWithCas) {
   EXPECT_EQ(d.read_line(0, 148), 148 + 1 + Cycle{c.timing.rl}) << "128 + 17 + 2 + 1: the cycle in which WCK stops";
 }
 
-/// The scheduler finds the first slot for a kind of command and gives it to the oldest request whose bank is ready by
-/// then (DramScheduler::best_command).
+/// The rule of the scheduler: find the first slot for a kind of command, and give it to the oldest request whose bank
+/// is ready by then (DramScheduler::best_command).
 TEST(Lpddr5, AFreeSlotServesEveryBankReadyByThen) {
   for (const std::uint32_t sync : {0U, 1U, 4U}) {
     DramConfig c = lpddr5();

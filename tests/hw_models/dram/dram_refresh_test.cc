@@ -3,7 +3,7 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
-// Refreshes of banks, of pairs of banks and of whole ranks; power-down.
+// Tests of refreshes of banks, pairs of banks and whole ranks, and of power-down.
 
 namespace hw::test {
 namespace {

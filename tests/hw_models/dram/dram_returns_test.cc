@@ -2,14 +2,15 @@
 
 #include "tests/hw_models/dram/dram_harness.h"
 
-// Reads whose data wait in the channel because their port is full.
+// Tests of reads whose data wait in the channel because their port is full.
 
 namespace hw::test {
 namespace {
 
 constexpr std::uint64_t kLongAfter = 10'000;
 
-/// Hits of one row through a port with room for one answer, which the requester takes once per `kLongAfter` cycles.
+/// Simulates hits of one row through a port with room for one answer. The requester takes an answer every `kLongAfter`
+/// cycles.
 struct SlowPort : DramHarness {
   explicit SlowPort(std::uint32_t reads, DramConfig c = quiet()) : DramHarness(c, 1, 1) {
     requester().pop_every = kLongAfter;
@@ -18,7 +19,8 @@ struct SlowPort : DramHarness {
   }
 };
 
-/// In flight: RL + tDQSCK + a line = 28 + 3 + 16 cycles, or 2 lines. The channel has room for twice (2 + 4) lines.
+/// Reads in flight last RL + tDQSCK + a line = 28 + 3 + 16 cycles, which is 2 lines. The channel has room for twice (2
+/// + 4) lines.
 constexpr std::uint32_t kRoom = 2 * (2 + 4);
 
 TEST(DramReturns, HaveRoomForTwiceWhatIsInFlightAndFourMore) {

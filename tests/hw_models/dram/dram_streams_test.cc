@@ -6,10 +6,10 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "sim/config/config.h"
 
-// LPDDR5 and LPDDR5X streams against the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR
-// controller). In clocks of CK: bursts are 2 (BL/n_min) or, in one group, 4 apart (tCCD_L, BL/n_max). RD to WR: RL + 2
-// + 2 - WL. WR to RD: WL + 2 + tWTR_S, or in one group WL + 4 + tWTR_L. WCK stops a clock after the data; a later read
-// or write follows a clock after its CAS. A line is two bursts of one bank.
+// Compares LPDDR5 and LPDDR5X streams with the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR
+// controller). Times are in clocks of CK. Bursts are 2 clocks apart (BL/n_min), or 4 in one bank group (tCCD_L,
+// BL/n_max). RD to WR: RL + 2 + 2 - WL. WR to RD: WL + 2 + tWTR_S, or in one group WL + 4 + tWTR_L. WCK stops one clock
+// after the data; later reads or writes then need a CAS one clock before. A line is two bursts of one bank.
 
 namespace hw {
 namespace {
@@ -44,7 +44,7 @@ double clocks_of(const DramConfig& c, sim::Time time) {
   return static_cast<double>(time) / static_cast<double>(c.timing.ck.time);
 }
 
-/// Opens the first row of every bank, long before the stream.
+/// Adds reads that open the first row of every bank, long before the stream begins.
 constexpr std::uint64_t kStart = 1000;
 std::vector<DramRequest> opened_rows() {
   std::vector<DramRequest> requests;
@@ -52,7 +52,7 @@ std::vector<DramRequest> opened_rows() {
   return requests;
 }
 
-/// Returns the mean clocks between reads that each arrive `gap` clocks after the data of the previous one.
+/// Returns the mean distance of reads in clocks, if each arrives `gap` clocks after the data of the previous one.
 double clocks_a_read(const char* grade, std::uint64_t gap, std::uint64_t expected) {
   const DramConfig c = quiet(grade);
   std::vector<DramRequest> requests = opened_rows();
@@ -74,8 +74,8 @@ TEST_P(Lpddr5Streams, AReadAtATimeStartsTheDataClockAgainIfItIsAClockLate) {
   EXPECT_EQ(clocks_a_read(GetParam(), 9, line + 10), 9 + 1 + line);
 }
 
-/// Returns the clocks for a read and a write of one line each, alternately, in these banks. Each arrives before the bus
-/// is free.
+/// Returns the mean clocks for a read and a write of one line each in these banks, which alternate. Each request
+/// arrives before the bus is free.
 double clocks_a_pair(const char* grade, std::uint64_t read_bank, std::uint64_t write_bank, std::uint64_t expected) {
   const DramConfig c = quiet(grade);
   std::vector<DramRequest> requests = opened_rows();
@@ -97,10 +97,10 @@ TEST_P(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
   EXPECT_EQ(clocks_a_pair(GetParam(), 0, 4, same), same) << "same bank group";
 }
 
-/// A copy of lines: groups of reads, then of writes, as the controller forms them.
+/// A stream that copies lines: alternating groups of reads and of writes, as the controller forms them.
 struct Copy {
   double clocks;
-  double pairs_of_groups;  ///< a group of reads and a group of writes
+  double pairs_of_groups;  ///< lines in a group of reads and in a group of writes
 };
 constexpr std::uint64_t kLines = 4096;
 template <class Source, class Destination>

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-// The timing table of LPDDR4-3200 (DramConfig's defaults), computed by hand from the grade's parameters. A line of 64
-// bytes is two bursts of 8 cycles (tCCD 8); RL 28, WL 14, tDQSCK 3, tDQSS 1.
+// Compares the timing table of LPDDR4-3200 (DramConfig's defaults) with values computed by hand from the grade's
+// parameters. A line of 64 bytes is two bursts of 8 cycles (tCCD 8); RL 28, WL 14, tDQSCK 3, tDQSS 1.
 
 namespace hw {
 namespace {
 
-/// Returns the cycles of the strictest row of this kind, or -1 if there is none.
+/// Returns the largest distance in cycles of the table's rows of this kind, or -1 if there is none.
 std::int64_t cycles(DramScope scope, DramOp from, DramOp to, std::uint32_t count = 1) {
   const DramTerms terms{DramConfig{}};
   std::int64_t most = -1;

@@ -7,7 +7,7 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "sim/engine.h"
 
-// Borders that tiles import: which cores get updates, and when.
+// Tests of borders that tiles import: which cores get updates on missing borders, and when.
 
 namespace hw {
 namespace {
@@ -31,7 +31,8 @@ class ImportingTiles final : public TileSource {
 
 constexpr std::uint32_t kWhole = traces::WorkNode::kNone;
 
-/// A dispatcher with two cores that accept everything and send the messages of a script. Links take one cycle each way.
+/// Test harness for a tile dispatcher, with two cores that accept everything and send scripted messages. Links take one
+/// cycle each way.
 class BorderHarness {
  public:
   struct Said {

@@ -10,7 +10,7 @@
 namespace hw {
 namespace {
 
-/// A DMA between a core that sends jobs and a memory.
+/// Test harness for a DMA, between a core that sends jobs and a memory.
 class DmaHarness {
  public:
   struct Setup {
@@ -33,7 +33,7 @@ class DmaHarness {
     to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size()), area});
     return *this;
   }
-  /// A job whose pixels take `cycles` per line to encode.
+  /// Returns a job whose pixels take `cycles` cycles per line to encode.
   DmaHarness& add_pixels(std::uint32_t bytes, std::uint32_t encode_cycles) {
     add(bytes, true);
     to_send_.back().encode_cycles = encode_cycles;
@@ -49,7 +49,7 @@ class DmaHarness {
   sim::Machine& machine() { return machine_; }
   bool done() const { return done_at_.size() == to_send_.size(); }
 
-  /// Cycles from when the DMA can see the first job to when the core can see that job `i` is done.
+  /// Returns the cycles from the arrival of the first job at the DMA to the arrival of the end of job `i` at the core.
   std::uint64_t cycles(std::size_t i) const { return clock_.cycles(done_at_[i]) - 1; }
   const Dma& dma() const { return dma_; }
   const std::vector<Addr>& lines() const { return lines_; }

@@ -10,7 +10,7 @@
 #include "sim/unit_report.h"
 #include "tests/hw_models/memory/harness.h"
 
-// The memory interface with sources and sinks of records, and memories that answer in order.
+// Tests of the memory interface with sources and sinks of records, and memories that answer in order.
 
 namespace hw {
 namespace {
@@ -39,7 +39,7 @@ struct Giver {
   std::uint32_t given = 0;
 };
 
-/// Takes a record every `interval` cycles, and notes when each arrived.
+/// Receives a record every `interval` cycles and records the arrival times.
 template <class Record>
 struct Taker {
   explicit Taker(sim::Link<Record>& from) : in(from) {}
@@ -74,7 +74,7 @@ struct Machine {
   sim::Machine& machine() { return units; }
   bool done() const { return ray_taker.taken.size() == ray_giver.count && hit_taker.taken.size() == hit_giver.count; }
 
-  /// Runs it on one of three engines, and returns every result that must not depend on the engine.
+  /// Simulates in one of three engine modes and returns all results as text, which must not depend on the mode.
   std::string run(int engine = 0) {
     const sim::Time end = engine == 0   ? sim::run<sim::Skip::kOn>(*this)
                           : engine == 1 ? sim::run<sim::Skip::kOff>(*this)
@@ -165,7 +165,7 @@ TEST(MemoryInterface, ReadsAheadNoFurtherThanItsDepth) {
     Machine m(c, 400);
     m.run();
     const double cycles = static_cast<double>(m.ray_taker.taken[300] - m.ray_taker.taken[100]) / 200;
-    // From the delivery of a record to the read that this allows, and its latency.
+    // Each delivered record allows one more read, which takes its latency and one cycle.
     EXPECT_NEAR(cycles, static_cast<double>(1 + kMemory) / depth, 1.0) << depth;
   }
 }

@@ -11,7 +11,7 @@
 namespace hw {
 namespace {
 
-/// Tiles 0, 1, 2, ... without any work. Tracks which are in flight.
+/// Source of tiles 0, 1, 2, ... without work. It tracks which tiles are in flight.
 class EmptyTiles final : public TileSource {
  public:
   explicit EmptyTiles(std::uint32_t count) : works_(count) {
@@ -20,7 +20,7 @@ class EmptyTiles final : public TileSource {
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
   void give_back(const traces::TileWork* work) override {
     back.push_back(work->tile);
-    works_[work->tile].tile = 0xffffffffU;  // its storage may be reused now
+    works_[work->tile].tile = 0xffffffffU;  // the tile's storage may be reused now
   }
   traces::TileWork& work(std::uint32_t tile) { return works_[tile]; }
   std::vector<std::uint32_t> back;
@@ -30,15 +30,15 @@ class EmptyTiles final : public TileSource {
   std::size_t next_ = 0;
 };
 
-/// A dispatcher with cores that keep each tile for a while.
+/// Test harness for a tile dispatcher, with cores that keep each tile for a given time.
 class DispatcherHarness {
  public:
   struct Setup {
     std::uint32_t tiles = 12;
-    std::vector<std::uint32_t> hold = {50, 50};  ///< cycles that a tile stays, by core
+    std::vector<std::uint32_t> hold = {50, 50};  ///< for each core: cycles that a tile stays there
     std::uint32_t tiles_per_core = 3;
     std::uint32_t tiles_in_pass = 3;
-    std::vector<std::uint32_t> starts = {};  ///< first cycle at which a core may get a tile; empty: 0
+    std::vector<std::uint32_t> starts = {};  ///< for each core: first cycle in which it may get a tile; empty: 0
   };
   explicit DispatcherHarness(const Setup& setup) : source(setup.tiles) {
     const sim::UnitId dispatcher = machine_.unit({"dispatcher", clock_});
@@ -133,7 +133,7 @@ TEST(TileDispatcher, DispatchesATilePerCycleEachCoreInTurnUntilAllAreFull) {
   for (std::uint32_t i = 0; i < 6; ++i) {
     EXPECT_EQ(harness.arrivals[i], (DispatcherHarness::Arrival{i % 3, i, 1 + i}));
   }
-  // The first tile returns after its stay. The seventh is dispatched in the cycle in which the dispatcher sees that.
+  // The first tile returns after its stay. The dispatcher sees that and dispatches the seventh in the same cycle.
   EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
 }
 
@@ -191,7 +191,7 @@ TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
   harness.run();
   ASSERT_EQ(harness.arrivals.size(), 8U);
   EXPECT_EQ(harness.arrivals[3].cycle, 4U);
-  // It is dispatched in the cycle in which the dispatcher sees the end of the fourth.
+  // The fifth tile is dispatched in the cycle in which the dispatcher sees the end of the fourth.
   EXPECT_EQ(harness.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
   EXPECT_EQ(harness.spent(TileDispatcher::CycleReason::kWaiting), 4 + 90 - 4U);
 }

@@ -11,7 +11,8 @@
 #include "tests/hw_models/machines/random_config.h"
 #include "traces/scenes/library.h"
 
-// Adaptive sampling on the machine: dependencies between tiles, several passes, transfers in both directions.
+// Tests of adaptive sampling on whole machines: dependencies between tiles, several passes, transfers in both
+// directions.
 
 namespace hw {
 namespace {
@@ -33,7 +34,7 @@ kernels::ProgramConfig config_of(Halo halo, AttributeStorage attributes) {
   return config;
 }
 
-/// All queues at their minimum, one core, one tile at a time.
+/// Returns a machine of one core that handles one tile at a time, with all queues at their minimum.
 GpuConfig smallest_machine() {
   GpuConfig config;
   config.cores = 1;
@@ -167,7 +168,7 @@ TEST(AdaptivePasses, ReadLinesAgainUnlessTheL2HoldsTheScene) {
   EXPECT_LT(fills(play(passes, config)), fills(small_passes)) << "fewer tiles in flight touch less";
 }
 
-/// Rounds of propagation, and colours compared to choose a tile's rate.
+/// Tests of programs with optional features: rounds of propagation, and colours compared to choose a tile's rate.
 class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
  protected:
   static kernels::ProgramConfig keys() {

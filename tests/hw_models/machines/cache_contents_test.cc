@@ -4,7 +4,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Machines that begin with the lines of another machine in their caches.
+// Tests of machines whose caches begin with the lines that another machine left in its caches.
 
 namespace hw {
 namespace {
@@ -15,7 +15,7 @@ using test::Frame;
 using test::Outcome;
 using test::run_machine;
 
-/// Runs the frame with these lines in the caches, and replaces them by those at its end.
+/// Simulates the frame with these lines in the caches, and replaces `contents` by the lines at the end.
 Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& contents, Engine engine = Engine::kFast,
              std::uint64_t seed = 0) {
   tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
@@ -26,7 +26,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& content
   return outcome;
 }
 
-/// Lines in the caches of a machine before its first frame: none.
+/// Returns empty cache contents, as of a machine before its first frame.
 CacheContents no_lines(const Frame& frame, const GpuConfig& config) {
   tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
   return Gpu(config, frame.workload(), front_end).cache_contents();

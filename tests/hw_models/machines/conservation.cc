@@ -24,7 +24,7 @@ void expect_rays_conserved(const Outcome& run, const std::string& core) {
   EXPECT_EQ(run.sum(core, "tile_buffer", "slots_taken"), rays);
 }
 
-/// Without the direct interface all rays and hits go through memory.
+/// Checks traffic of rays and hits, which all go through memory without the direct interface.
 void expect_records_conserved(const Outcome& run, const std::string& core, const DirectInterfaceConfig& config) {
   const std::uint64_t rays = run.sum(core, "srp", "rays");
   EXPECT_EQ(run.sum(core, "memory_interface", "rays"), rays);
@@ -88,7 +88,8 @@ void expect_memory_conserved(const Outcome& run, const GpuConfig& config) {
   }
 }
 
-/// Spilled slots are written and read in whole lines, each twice: for the ray and for the hit.
+/// Checks traffic of spilled ray slots. They are written and read in whole lines, each twice: for the ray and for the
+/// hit.
 void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config) {
   EXPECT_EQ(run.sum("tile_dispatcher", "dispatched"), frame.program().tiles());
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), frame.program().tiles());

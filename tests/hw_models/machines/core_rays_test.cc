@@ -8,7 +8,7 @@
 #include "traces/accel/build.h"
 #include "traces/scenes/library.h"
 
-// A core's part of a list of rays: a block is kept until all its rays have returned.
+// Tests of a core's share of a list of rays, whose blocks are kept until all their rays have returned.
 
 namespace hw {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::uint32_t kBlock = CoreRays::kBlock;
 
 class CoreRaysTest : public testing::Test {
  protected:
-  /// Downward rays over the whole scene.
+  /// Returns rays that go down, spread over the whole scene.
   static std::vector<traces::Ray> rays(const traces::MemoryImage& image, std::uint32_t count) {
     std::vector<traces::Ray> list(count);
     for (std::uint32_t i = 0; i < count; ++i) {

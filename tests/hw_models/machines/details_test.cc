@@ -7,7 +7,8 @@
 #include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/library.h"
 
-// Scenes with all features of materials: rays that continue through surfaces, several kinds of records and textures.
+// Tests of scenes with all material features on whole machines: rays that continue through surfaces, several kinds of
+// records and textures.
 
 namespace hw {
 namespace {

@@ -3,7 +3,8 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 
-// The machine with rays and hits through memory, and the machine with an ideal L2 or interconnect.
+// Tests of machines without the direct interface, where rays and hits go through memory, and with an ideal L2 or
+// interconnect.
 
 namespace hw {
 namespace {

@@ -7,7 +7,7 @@
 #include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
-// Hybrid frames: primary hits from a rasteriser, and rays of effects beyond Whitted's.
+// Tests of frames with primary hits from a rasteriser, and with rays for effects beyond Whitted's.
 
 namespace hw {
 namespace {

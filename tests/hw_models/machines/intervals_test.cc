@@ -10,7 +10,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Machines whose counters are recorded at the ends of intervals.
+// Tests of machines whose counters are recorded at the ends of intervals.
 
 namespace hw {
 namespace {
@@ -22,10 +22,10 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-/// Interval ends that are edges of no clock, or of several.
+/// Interval lengths whose ends are edges of no clock, or of several clocks.
 constexpr sim::Time kOddLength = 61'234'567, kEvenLength = 100 * sim::kFemtosecondsPerNanosecond;
 
-/// Returns the first value in which two records differ; empty if they are equal.
+/// Returns the first difference between two recordings of intervals; empty if they are equal.
 std::string difference(const Intervals& a, const Intervals& b) {
   if (a.size() != b.size() || a.row_width() != b.row_width() || a.interval_length() != b.interval_length() ||
       a.end() != b.end()) {
@@ -39,7 +39,8 @@ std::string difference(const Intervals& a, const Intervals& b) {
   return {};
 }
 
-/// The last row equals the units' reports, no value decreases, and a unit's reasons fill each interval.
+/// Checks a recording: the last row equals the units' reports, no value decreases, and the reasons of a unit fill each
+/// interval.
 void expect_sums(const Intervals& intervals, const Outcome& run) {
   ASSERT_GT(intervals.size(), 0U);
   EXPECT_EQ(intervals.end(), run.elapsed);
@@ -95,7 +96,7 @@ TEST(Intervals, HaveOfEachUnitTheCyclesThatBeginInThem) {
   }
 }
 
-/// Records with every engine and several numbers of threads, and compares.
+/// Records intervals in every engine mode and with several numbers of threads, and expects equal recordings.
 void expect_same_in_all_engines(const Frame& frame, const GpuConfig& config, std::uint64_t seed) {
   const Outcome plain = play(frame, config);
   Intervals fast(kOddLength, 512), oracle(kOddLength, 512), shuffled(kOddLength, 512), threaded(kOddLength, 512);

@@ -15,9 +15,9 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// More of a resource slows no frame by more than 1 %, on machines near the default and with ideal resources on the
-// default. Exceptions are listed in monotone.cc, their causes in tests/validation/DEVIATIONS.md. This runs a few of the
-// 200 machines; RAYWATT_MONOTONE=200 runs all, as tools/validate does.
+// Checks that doubling a resource slows no frame by more than 1 %, on machines near the default, and with ideal
+// resources on the default machine. monotone.cc lists exceptions; tests/validation/DEVIATIONS.md explains them. By
+// default a few of 200 machines are tested; RAYWATT_MONOTONE=200 tests all, as tools/validate does.
 
 namespace hw {
 namespace {

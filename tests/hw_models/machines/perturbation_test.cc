@@ -7,8 +7,8 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Machines whose cores start at different times, and whose memory is a cycle slower or faster with another refresh
-// phase.
+// Tests of perturbed machines: cores start at different times, and memory is a cycle slower or faster with another
+// refresh phase.
 
 namespace hw {
 namespace {

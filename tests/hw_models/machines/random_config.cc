@@ -19,7 +19,7 @@ constexpr std::array<const char*, 4> kGrades = {"configs/dram/lpddr3-1600.yaml",
 /// Distance of a field's value from its default.
 enum class Range : std::uint8_t {
   kWild,  ///< anywhere within its limits, up to about three times the default
-  kSane,  ///< a half to double; ideal parts are off
+  kSane,  ///< half to double the default; nothing is ideal
 };
 
 bool is_drawn(const sim::ConfigNode& field, Range range) {
@@ -42,7 +42,7 @@ class Drawing {
  private:
   std::uint64_t below(std::uint64_t n) { return sim::hash(seed_, field_, draws_++) % n; }
 
-  /// Returns a value from the field's minimum to `most`, half of the time a power of two.
+  /// Returns a value from the field's minimum to `most`. Half of all values are powers of two.
   std::uint64_t number(const sim::Limits& limits, std::uint64_t most) {
     const auto low = static_cast<std::uint64_t>(limits.min);
     const auto high = static_cast<std::uint64_t>(std::min(limits.max, static_cast<double>(most)));
@@ -51,13 +51,13 @@ class Drawing {
     return limits.power_of_two || below(2) == 0 ? std::max(low, std::bit_floor(drawn)) : drawn;
   }
 
-  /// Returns a half, one, one or two times the default, within limits.
+  /// Returns half, once or twice the default, within the field's limits. Once is twice as likely.
   std::uint64_t near(const sim::Limits& limits, std::uint64_t usual) {
     const std::uint64_t drawn = usual << below(2) >> below(2);
     return static_cast<std::uint64_t>(std::clamp(static_cast<double>(drawn), limits.min, limits.max));
   }
 
-  /// Gives the member a new value, and restores the old one if the new one breaks a rule.
+  /// Sets a field to a new value, and restores the old one if the new one violates a rule.
   template <class T>
   void change(T& member, T value) {
     const T before = member;
@@ -105,8 +105,8 @@ class Drawing {
 
   std::uint64_t seed_;
   Range range_;
-  std::uint64_t field_ = 0;  ///< hash of the field's path, so that a new field changes no other
-  std::uint64_t draws_ = 0;  ///< draws for this field so far
+  std::uint64_t field_ = 0;  ///< hash of the field's path; values therefore do not depend on other fields
+  std::uint64_t draws_ = 0;  ///< number of values drawn for this field
   sim::ConfigNode& root_;
 };
 

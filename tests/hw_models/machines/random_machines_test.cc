@@ -20,10 +20,10 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-/// Seeds of the 200 machines in groups of 25; tests at full size run all of each group.
+/// Seeds of 200 machines, in groups of 25. Tests at full size run all machines of a group.
 constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
 
-/// All layouts of the tree in memory, in turn.
+/// Returns one of eight layouts of the tree in memory, by its number.
 traces::BvhConfig format_of(std::uint64_t part) {
   traces::BvhConfig bvh;
   if ((part & 1) != 0) bvh.boxes = traces::BoxRecords::kSingle;
@@ -56,7 +56,7 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
 INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart),
                          ::test::ParamName());
 
-/// How often each value of each enum or switch was drawn.
+/// Counts how often each value of each enum or boolean field was drawn.
 using Draws = std::map<std::string, std::map<std::string, int>>;
 
 void count_choices(const sim::ConfigNode& node, Draws& draws) {
@@ -92,7 +92,7 @@ TEST(Gpu, NothingIsLostWithSeveralSamplesPerPixelAndCutTiles) {
   expect_conserved(play(frame, config), frame, config);
 }
 
-/// All queues at their minimum, one item of each kind in flight.
+/// Returns a machine with all queues at their minimum and one item of each kind in flight.
 GpuConfig smallest() {
   GpuConfig c;
   c.tni.link_depth = 1;

@@ -12,19 +12,19 @@
 #include "sim/hash.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Random machines with one invalid value are refused, with the key and the allowed values.
+// Checks that random machines with one invalid value are refused with a message of the key and the allowed values.
 
 namespace hw {
 namespace {
 
-/// A rule of a struct's check(), and a change that breaks it on any valid machine without breaking an earlier rule.
+/// A rule of a struct's check(), and a change that violates it on any valid machine without violating an earlier rule.
 struct Break {
   std::string_view key;      ///< key of the error
   std::string_view problem;  ///< part of the message
   void (*apply)(GpuConfig& c);
 };
 
-/// Makes a cache one of four ways and 64 sets.
+/// Sets a cache to four ways and 64 sets.
 void reset(CacheConfig& cache) {
   cache.size.bytes = 16 * 1024;
   cache.line.bytes = 64;
@@ -32,7 +32,7 @@ void reset(CacheConfig& cache) {
   cache.replacement = Replacement::kLru;
 }
 
-/// A cache of the machine, by the key of its group.
+/// A cache of the machine, and the configuration group that sets it.
 struct Cache {
   std::string_view key;
   CacheConfig& (*of)(GpuConfig& c);
@@ -49,9 +49,9 @@ constexpr Cache kCaches[] = {
      }},
 };
 
-/// A rule about CacheConfig, and a change that breaks it after reset().
+/// A rule of CacheConfig, and a change that violates it after reset().
 struct CacheBreak {
-  std::string_view key;  ///< key below the cache's group
+  std::string_view key;  ///< key of the error within the cache's group
   std::string_view problem;
   void (*apply)(CacheConfig& cache);
 };

@@ -79,9 +79,9 @@ class Additions {
   const std::uint64_t seed_;
   traces::TileWork& work_;
   std::uint64_t draws_ = 0;
-  std::uint32_t imported_ = 0, exported_ = 0;  ///< number of borders so far
-  std::vector<std::uint32_t> new_indices_;     ///< new index of each of the tile's own nodes
-  std::vector<std::uint32_t> transfers_;       ///< the added transfers
+  std::uint32_t imported_ = 0, exported_ = 0;  ///< number of borders added so far
+  std::vector<std::uint32_t> new_indices_;     ///< new index of each node that the tile had before
+  std::vector<std::uint32_t> transfers_;       ///< indices of added transfers
 };
 
 }  // namespace

@@ -8,7 +8,8 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Tiles with everything that a frame program can record: transfers anywhere, idle items, dependencies between tiles.
+// Tests of tiles with everything that a frame program can record: transfers anywhere, idle items, dependencies between
+// tiles.
 
 namespace hw {
 namespace {
@@ -26,7 +27,7 @@ const Frame& frame_of_six_tiles() {
 
 GpuConfig drawn_machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
 
-/// The lines, rays and items that the machine counted are those of its tiles.
+/// Expects that the machine counted as many lines, rays and items as its tiles have.
 void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConfig& config, const Outcome& run) {
   std::array<std::array<std::uint64_t, 2>, kRegions> lines{};
   std::uint64_t rays = 0, idle = 0, items = 0, chunks = 0;
@@ -94,7 +95,8 @@ TEST(GpuRandomWork, WithFewRaySlotsItStillFinishes) {
   }
 }
 
-/// Tiles that import from all earlier tiles in their first node, and whose borders need the whole tile.
+/// Returns tiles that depend on all earlier tiles: the first node imports their borders, and borders need the whole
+/// tile.
 std::vector<traces::TileWork> chained_work() {
   using traces::Edge;
   using traces::WorkNode;

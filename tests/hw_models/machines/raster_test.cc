@@ -12,7 +12,7 @@
 #include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
-// Primary visibility from a rasteriser: the same picture as with rays, but other work.
+// Tests of primary visibility from a rasteriser: the picture is that of rays, but the work differs.
 
 namespace hw {
 namespace {
@@ -53,7 +53,7 @@ bool has_unit(const Outcome& run, std::string_view kind) {
 class Rasterised : public testing::TestWithParam<const char*> {};
 
 TEST_P(Rasterised, PictureIsThatOfRaysToTheLastBit) {
-  // Leaves with holes, which rays pass through. Two programs only, as the scene is large.
+  // The scene has leaves with holes that rays pass through. Two programs only, because it is large.
   std::vector<const char*> scenes = {"cornell"};
   const std::string_view name = GetParam();
   if (name == "full:1" || name == "supersample") scenes.push_back("forest");

@@ -11,7 +11,7 @@
 namespace hw {
 namespace {
 
-/// A tile whose second launch waits for an item that the first one lacks.
+/// Returns a tile that never ends: its second launch waits for an item that the first one does not have.
 class TileThatNeverEnds final : public TileSource {
  public:
   TileThatNeverEnds() {
@@ -41,7 +41,7 @@ void expect_stuck(Run&& run) {
     FAIL() << "the machine ended";
   } catch (const sim::Deadlock& stuck) {
     for (const sim::UnitReport& unit : gpu->unit_reports()) {
-      if (unit.path.ends_with(".tile_buffer")) continue;  // its shader core reports its fill
+      if (unit.path.ends_with(".tile_buffer")) continue;  // the shader core reports how full it is
       EXPECT_NE(stuck.state.find(unit.path + ": "), std::string::npos) << unit.path << " is not in\n" << stuck.state;
     }
     EXPECT_NE(stuck.state.find("node 1 0/5"), std::string::npos) << "who waits for what:\n" << stuck.state;

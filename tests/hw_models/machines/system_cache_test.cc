@@ -6,7 +6,7 @@
 #include "sim/error.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 
-// The system cache in front of the channels, and the traffic of the rest of the chip on them.
+// Tests of the system cache in front of the DRAM channels, and of other traffic of the chip on these channels.
 
 namespace hw {
 namespace {

@@ -9,7 +9,7 @@
 namespace hw::test {
 namespace {
 
-/// Serves requesters that are always ready and have waited since the given times.
+/// Returns the order in which an arbiter serves requesters that are always ready and have waited since given times.
 std::vector<std::uint32_t> order(Arbitration how, std::array<sim::Time, 3> since) {
   Arbiter arbiter(how, 3);
   std::vector<std::uint32_t> served;
@@ -56,7 +56,7 @@ TEST(Arbiter, OldestFirstServesALateClientOfAPortLast) {
   b.client(1).send(0, 10);
   b.client(0).send(0, 30);
   b.harness.run();
-  // Client 0's writes arrive and go up once per cycle, so the request of cycle 10 competes with the write of cycle 10.
+  // Client 0 sends one write per cycle, so the request of cycle 10 competes with the write of cycle 10.
   EXPECT_EQ(b.client(1).script[0].latency(), 1U + 1 + 1 + 1 + 1) << "one write of the same age goes first";
 }
 

@@ -109,7 +109,7 @@ class Echo {
 
 enum class Mode { kSkip, kEveryEdge, kShuffled };
 
-/// Testbench for the memory system: any number of units of each kind, and the links between them.
+/// Test harness for the memory system: any number of units of each kind, and the links between them.
 class Harness {
  public:
   std::vector<Requester*> requesters;

@@ -19,7 +19,7 @@ TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
   EXPECT_EQ(b.stats().fills, 1U);
 }
 
-/// Hits and misses in the order of their events.
+/// Observer that lists hits and misses in order.
 struct Lookups : Observer {
   void on_event(const Event& event) override {
     if (const auto* lookup = std::get_if<L2LookedUp>(&event)) hits.push_back(lookup->hit);

@@ -16,7 +16,7 @@ TEST(L2Bank, HasRoomForTwoRequestsToMemoryForEachMshrAndTwoMore) {
   b.harness.run();
   std::uint32_t writes = 0;
   for (std::size_t i = 2; i < 40; ++i) writes += b.core(0).script[i].cycle < kMemory;
-  // In addition to the two misses; then one without room, and one in the port.
+  // All room of the bank except for the two misses; one more write waits in the bank, and one in the port.
   EXPECT_EQ(writes, 2 * config.cache.mshrs + 2 - 2 + 1 + 1);
 }
 

@@ -5,7 +5,7 @@
 namespace hw {
 namespace {
 
-/// Four sets of one line, so that slots are in the order of lines.
+/// Returns a store of four sets of one line each, so that slot n has line n.
 L2Config four_lines() {
   L2Config c;
   c.banks = 1;

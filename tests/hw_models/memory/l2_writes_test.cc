@@ -4,7 +4,8 @@
 
 #include "tests/hw_models/memory/bank_harness.h"
 
-// Lines are 64 bytes in eight sectors. The harness sends a Flush at the end, so that no dirty lines are left.
+// Tests of writes to an L2 bank. Lines are 64 bytes in eight sectors. At the end the harness makes the bank write back
+// all dirty lines.
 
 namespace hw::test {
 namespace {

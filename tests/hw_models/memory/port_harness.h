@@ -3,7 +3,7 @@
 
 namespace hw::test {
 
-/// Testbench of a core port between clients and memories that answer at once.
+/// Test harness for a core port between clients and memories that answer at once.
 struct PortHarness {
   PortHarness(std::size_t clients, std::size_t targets, std::size_t capacity, std::uint64_t latency = 1,
               std::uint32_t width = 32, Arbitration arbitration = Arbitration::kRoundRobin, bool ideal = false) {

@@ -18,14 +18,14 @@ CacheConfig cache(Replacement replacement, std::uint32_t ways, std::uint32_t set
   return c;
 }
 
-/// Fills line `n` of a cache with one set, and returns the evicted line.
+/// Fills line `n` into a cache with one set, and returns the evicted line.
 Addr victim_of(CacheTags& tags, Addr n) {
   const CacheTags::Filled filled = tags.fill_line(64 * n);
   EXPECT_TRUE(filled.evicts);
   return filled.evicted / 64;
 }
 
-/// The bits of the PLRU tree, by node: whether the next victim is in the upper half.
+/// Bits of the PLRU tree, by node. A bit is set if the next victim is in the upper half below its node.
 struct Tree {
   explicit Tree(std::uint32_t all) : ways(all) {}
   void touch(std::uint32_t way, std::uint32_t low, std::uint32_t size) {

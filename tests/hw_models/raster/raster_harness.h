@@ -50,7 +50,7 @@ inline TileWork batch(std::uint32_t count, std::uint32_t lists) {
   return tile_of(WorkNode::Kind::kBin, count, triangles(count, {.vertices = {0, 4, 8}, .lists = lists}));
 }
 
-/// Testbench of a rasteriser, with a core that sends jobs and a memory of fixed latency.
+/// Test harness for a rasteriser, with a core that sends jobs and a memory of fixed latency.
 class RasterHarness {
  public:
   explicit RasterHarness(const RasterUnitConfig& config, bool ideal = true, std::uint32_t latency = 20)

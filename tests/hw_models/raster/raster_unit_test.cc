@@ -23,13 +23,13 @@ std::uint64_t cycles(const RasterUnitConfig& config, const TileWork& work) {
   return RasterHarness(config).add(work).run().cycles();
 }
 
-/// Returns the cycles that a hundred more triangles take.
+/// Returns the additional cycles that a hundred more triangles take.
 std::uint64_t of_hundred(const RasterUnitConfig& config, const std::function<TileWork(std::uint32_t)>& make) {
   const TileWork few = make(100), many = make(200);
   return cycles(config, many) - cycles(config, few);
 }
 
-/// A configuration in which fetching is never the limit.
+/// Returns a rasteriser configuration in which fetching is never the bottleneck.
 RasterUnitConfig quick_fetch() {
   RasterUnitConfig config;
   config.lookups = 8;

@@ -7,8 +7,8 @@
 namespace hw::test {
 namespace {
 
-/// Returns the cycles that four items lose in four banks. An item starts every second cycle, and accesses its 16-byte
-/// record in cycle 0 and in cycle `second`.
+/// Returns the cycles that four loop items lose to conflicts in four banks. One item starts every second cycle. Each
+/// accesses its 16-byte record in cycle 0 and in cycle `second`.
 std::uint64_t per_4_items(std::uint32_t second) {
   GraphBuilder g;
   const std::uint32_t item = g.item();

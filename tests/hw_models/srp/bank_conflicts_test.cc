@@ -15,7 +15,7 @@ using test::GraphBuilder;
 using test::SrpHarness;
 using test::TileBuilder;
 
-/// Returns the cycles lost per 16 items, with four ports.
+/// Returns the cycles that 16 loop items lose to bank conflicts, with four ports.
 std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
   return bank_conflicts(schedule_kernel(g.graph(), SrpConfig{}), g.graph(), banks).stall_cycles(16);
 }

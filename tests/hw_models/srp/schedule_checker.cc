@@ -23,7 +23,7 @@ class Player {
 
   std::string play() {
     complete();
-    // Enough items for all overlaps with the first one, and for the longest loop-carried distance.
+    // Enough items that all items that overlap with the first are included, and the longest loop-carried distance.
     const std::uint32_t items = schedule_.depth / schedule_.ii + 6;
     for (std::uint32_t item = 0; item < items; ++item) {
       for (const Placement& p : schedule_.placements) {
@@ -93,7 +93,7 @@ class Player {
     }
   }
 
-  /// Returns the cycle from which the value of `id` in `item` can be used; 0 for values from before the loop.
+  /// Returns the cycle from which the value of node `id` for `item` can be used; 0 for values from before the loop.
   std::uint64_t there_at(std::uint32_t id, std::uint32_t item) const {
     const GraphNode& node = graph_.nodes[id];
     if (op_class_of(node.op) != OpClass::kFree) return made_at(id, 0, item);
@@ -114,7 +114,8 @@ class Player {
     return std::uint64_t{item} * schedule_.ii + at->second->start + latency(id);
   }
 
-  /// Finds multiply-adds: an addition or subtraction, and its first operand that is a product with no other use.
+  /// Finds multiply-adds: pairs of an addition or subtraction and its first operand that is a product without other
+  /// use.
   void fuse() {
     std::map<std::uint32_t, int> uses;
     for (const GraphNode& node : graph_.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });

@@ -7,12 +7,13 @@
 #include "shader_kernels/catalogue.h"
 #include "tests/hw_models/srp/schedule_checker.h"
 
-// Arrays at the limits of the configuration: schedules are close to their bounds, and found quickly.
+// Tests of arrays at the limits of the configuration: kernel schedules are close to their lower bounds, and found
+// quickly.
 
 namespace hw::test {
 namespace {
 
-/// Every operation has its longest latency, and a division occupies its unit for all of it.
+/// Returns an array on which every operation has its longest latency, and a division occupies its unit for all of it.
 SrpConfig slow_array(std::uint32_t side, std::uint32_t mul_units, std::uint32_t div_sqrt_units) {
   SrpConfig config;
   config.array.rows = config.array.columns = side;
@@ -25,7 +26,7 @@ SrpConfig slow_array(std::uint32_t side, std::uint32_t mul_units, std::uint32_t 
   return config;
 }
 
-/// The only kernel whose interval exceeds its bound by more than a third, on the slowest array: 135 cycles, bound 99.
+/// The only kernel whose initiation interval exceeds its lower bound by more than a third: 135 cycles instead of 99.
 constexpr std::string_view kFarFromBound = "test_shadow_coloured";
 constexpr std::uint32_t kIntervalFarFromBound = 135;
 
@@ -46,7 +47,7 @@ TEST(ScheduleExtremes, DivisionsThatKeepTheirUnitFindRoomAmongOthersOfOneCycle) 
   expect_near_the_bound(slow_array(4, 1, 2));
 }
 
-/// Returns processor seconds, which a busy host affects less than wall-clock time.
+/// Returns the processor time in seconds, which a busy host affects less than wall-clock time.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {

@@ -5,7 +5,7 @@
 #include "tests/hw_models/srp/graph_builder.h"
 #include "tests/hw_models/srp/schedule_checker.h"
 
-// Arrays whose units multiply and add in one operation.
+// Tests of arrays whose units multiply and add in one operation.
 
 namespace hw::test {
 namespace {

@@ -27,7 +27,7 @@ TEST(ScheduleRows, AnEmptyTableHoldsAnOperationOfItsOwnLength) {
   EXPECT_EQ(rows_until_gap(BitVector(65), 64, 65, 65), 0U);
 }
 
-/// Reference implementation, row by row.
+/// Reference implementation that handles one row at a time.
 std::uint32_t gap_by_rows(const std::vector<bool>& taken, std::uint32_t from, std::uint32_t length) {
   const auto size = static_cast<std::uint32_t>(taken.size());
   for (std::uint32_t at = 0; at < size; ++at) {

@@ -34,7 +34,7 @@ TEST(Schedule, ThirtyTwoIndependentAdditionsShareSixteenUnitsInTwoCycles) {
   EXPECT_EQ(s.res_mii, 2U);
   EXPECT_EQ(s.rec_mii, 0U);
   EXPECT_EQ(s.ii, 2U);
-  EXPECT_EQ(s.depth, 1U + 2U);  // the second sixteen start a cycle later
+  EXPECT_EQ(s.depth, 1U + 2U);  // the second sixteen additions start a cycle later
 }
 
 TEST(Schedule, AChainIsAsDeepAsItsLatenciesAndStillTakesAnItemEveryCycle) {

@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Transfers that read the borders of other tiles: which nodes wait for a border, and which messages announce one.
+// Tests of transfers that read borders of other tiles: which nodes wait for a border, and which messages announce one.
 
 namespace hw {
 namespace {
@@ -19,7 +19,8 @@ constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; link
 constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // sixteen items, switch included
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
 
-/// Imports `imports` borders; `missing` of them are missing. One launch needs none, another needs all.
+/// Returns a tile that imports `imports` borders; `missing` of these are missing at first. One launch needs no border,
+/// another needs all.
 traces::TileWork importing(std::uint32_t imports, std::uint32_t tile = 1) {
   TileBuilder work(tile);
   std::vector<traces::Edge> all = {TileBuilder::all(work.launch(kA, 16))};
@@ -32,7 +33,8 @@ TEST(SrpBorders, AnImportWaitsForItsBorderAndTheRestOfTheTileDoesNot) {
   SrpHarness harness({}, {{1, 10}});
   harness.add(importing(1), 1).tell(1000, 0, 0).run();
   EXPECT_EQ(harness.spent(CycleReason::kRunning), 2U * (10 + 15));
-  // The update takes the link; then the transfer runs, then the launch that waits for it, whose kernel is resident.
+  // The update arrives by the link. Then the transfer runs, and then the launch that waits for it, whose kernel is
+  // resident.
   EXPECT_EQ(harness.done_at(0), 1000 + 1 - kStart + kDma + 10 + 15);
   EXPECT_EQ(harness.spent(CycleReason::kBorders), 1000 + 1 - kStart - kLoop);
   EXPECT_EQ(harness.spent(CycleReason::kWaiting), kDma);
@@ -81,7 +83,7 @@ SrpHarness::Setup room_for(std::uint32_t slots) {
   return setup;
 }
 
-/// Makes 16 rays `times` times and keeps their slots; with `imports`, after a border has arrived.
+/// Returns a tile that makes 16 rays `times` times and keeps their slots. With `imports` it first waits for a border.
 traces::TileWork tracing(std::uint32_t tile, std::uint32_t times, bool imports) {
   TileBuilder work(tile);
   std::vector<traces::Edge> inputs, rays;

@@ -10,8 +10,8 @@
 
 namespace hw::test {
 
-/// Testbench of a shader core that gets tiles as fast as it accepts them. T&I unit, memory and DMA answer after fixed
-/// times. Kernels are given by initiation interval and depth.
+/// Test harness for a shader core that gets tiles as fast as it accepts them. T&I unit, memory and DMA answer after
+/// fixed times. Kernels are given by initiation interval and depth.
 class SrpHarness {
  public:
   /// Returns a configuration that does not merge launches, so that each launch takes its own time.

@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Idle items, which pass through a loop without work.
+// Tests of idle items, which pass through a kernel loop without work.
 
 namespace hw {
 namespace {

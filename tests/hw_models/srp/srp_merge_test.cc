@@ -7,7 +7,7 @@
 #include "hw_models/memory/tile_accounting.h"
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Launches of one kernel that are ready together run as one loop, across the tiles in flight.
+// Tests that launches of one kernel that are ready together, from any tile in flight, run as one loop.
 
 namespace hw {
 namespace {
@@ -36,7 +36,7 @@ traces::TileWork keeps_the_array() {
   return work.build();
 }
 
-/// A launch of sixteen items.
+/// Returns a tile with one launch of sixteen items.
 traces::TileWork short_tile(std::uint32_t tile) {
   TileBuilder work(tile);
   work.launch(kA, 16);

@@ -5,7 +5,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// A shader core reports its tiles, loops and batches of rays to its observer, each once.
+// Tests that a shader core reports each tile, kernel loop and batch of rays to its observer once.
 
 namespace hw {
 namespace {
@@ -14,7 +14,7 @@ using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
 
-/// Number of events, and of rays in the T&I unit at the ends of batches.
+/// Observer that counts events, and the rays in the T&I unit at the end of each batch.
 struct Watched : Observer {
   void on_event(const Event& event) override {
     std::visit(HandleEvents{

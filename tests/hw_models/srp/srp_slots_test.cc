@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// The shader core with few ray slots in the tile buffer.
+// Tests of a shader core with few ray slots in the tile buffer.
 
 namespace hw {
 namespace {
@@ -16,7 +16,7 @@ using test::trace_and_shade;
 
 constexpr std::uint32_t kSamples = 16;
 
-/// A tile buffer with `slots` ray slots for tiles of 16 samples.
+/// Returns a setup whose tile buffer has `slots` ray slots, for tiles of 16 samples.
 SrpHarness::Setup with_slots(std::uint32_t slots) {
   SrpHarness::Setup setup;
   setup.tile_samples = kSamples;

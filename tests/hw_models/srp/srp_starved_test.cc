@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// The time in which the T&I unit has no rays while a kernel is on the array.
+// Tests of the time in which the T&I unit has no rays while a kernel runs on the array.
 
 namespace hw {
 namespace {

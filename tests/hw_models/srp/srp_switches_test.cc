@@ -6,7 +6,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Switches to kernels that are resident in configuration memory, and to others.
+// Tests of switches to kernels that are resident in configuration memory, and to others.
 
 namespace hw {
 namespace {
@@ -16,7 +16,7 @@ using test::TileBuilder;
 
 constexpr std::uint64_t kRow = 128;  // bytes: 16 units, 8 bytes each
 
-/// Launches of these kernels, one after the other.
+/// Returns a tile with launches of these kernels, one after the other.
 traces::TileWork launches(const std::vector<traces::KernelId>& kernels) {
   TileBuilder work;
   std::vector<TileBuilder::Edge> before;

@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Transfers between tile buffer and memory: their start, the nodes that wait for them, their addresses.
+// Tests of transfers between tile buffer and memory: their start, the nodes that wait for them, and their addresses.
 
 namespace hw {
 namespace {

@@ -90,7 +90,7 @@ TEST(Srp, MissesOfConsecutiveItemsOverlap) {
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
   harness.add(work.build()).run();
-  // All four are requested, one per cycle, before the first is needed; they arrive one per cycle.
+  // All four lines are requested, one per cycle, before the first is needed. They arrive one per cycle.
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - kLoad);
 }
 
@@ -113,7 +113,7 @@ TEST(Srp, WithoutAFreeMshrTheArrayStallsAtOnce) {
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0), Access::attributes(1)}});
   harness.add(work.build()).run();
-  // The second line is requested only after the first has arrived, so it is late by the rest of its latency.
+  // The second line is requested only after the first has arrived, so the item stalls for the rest of its latency.
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine + (kLine - kLoad));
   EXPECT_EQ(harness.srp().stats().mshr_full, 1U);
 }
@@ -152,8 +152,8 @@ TEST(Srp, ConsumersRunBeforeProducers) {
   setup.config.chunk = 4;
   SrpHarness harness(setup, {{1, 10}, {1, 40}});
   harness.add(trace_and_shade(16)).run();
-  // Chunks: A1 A2, then B1 B2 as soon as their hits have returned, then A3 A4 B3 B4. Running producers first would
-  // switch twice.
+  // Expected order of chunks: A1 A2, then B1 B2 as soon as their hits have returned, then A3 A4 B3 B4. Running all of A
+  // first would switch kernels twice.
   EXPECT_EQ(harness.srp().stats().switches, 4U);
 }
 

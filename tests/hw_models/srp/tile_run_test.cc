@@ -15,7 +15,7 @@ using test::TileBuilder;
 constexpr std::uint32_t kNone = TileRun::kNone;
 constexpr traces::KernelId kKernel = 0;
 
-/// A TileRun with its work.
+/// A TileRun, and the tile's work to which it refers.
 struct Tile {
   explicit Tile(TileBuilder builder, std::uint32_t chunk = 256) : work(builder.build()) { run.start_tile(work, chunk); }
   std::uint32_t next() const {

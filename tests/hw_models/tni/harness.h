@@ -11,7 +11,7 @@
 
 namespace hw::test {
 
-/// Testbench of a T&I unit: a source of rays, a memory with a fixed latency, and a sink of hits.
+/// Test harness for a T&I unit: a source of rays, a memory with a fixed latency, and a sink of hits.
 class TniHarness {
  public:
   struct Setup {

@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// Rays that enter instances and leave them (bvh.instances: two_level).
+// Tests of rays that enter and leave instances (bvh.instances: two_level).
 
 namespace hw {
 namespace {
@@ -20,7 +20,8 @@ using traces::visit_step;
 
 constexpr std::uint64_t kTransform = 14;
 
-/// Nodes 0, 1, 2 over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1, instance 1 below node 2.
+/// A two-level tree. Nodes 0, 1, 2 are over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1,
+/// instance 1 below node 2.
 TniHarness::Setup two_instances() {
   TniHarness::Setup s = test::one_trv();
   s.placed.resize(2);
@@ -31,7 +32,7 @@ TniHarness::Setup two_instances() {
 }
 
 const Walk kIn = {visit_step(0, 1, 0), enter_step(0), visit_step(3, 0, 0), end_step(false)};
-/// Enters instance 0, pops the entry of node 0, and enters instance 1.
+/// Returns a traversal that enters instance 0, pops the stack entry of node 0, and enters instance 1.
 const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),       visit_step(3, 0, 0),
                     visit_step(2, 1, 0), enter_step(1),       visit_step(3, 0, 0), end_step(false)};
 
@@ -63,7 +64,8 @@ TEST(Instances, OneOperationPerCycleEntersTheBoxPipe) {
   EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), std::uint64_t{3000} * 2'000'000);
 }
 
-/// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0). All entries are popped again.
+/// Returns a traversal that pushes at nodes 0 and 1 (over instances) and at 3 and 4 (in instance 0). All entries are
+/// popped again.
 const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),       visit_step(3, 3, 0),
                     visit_step(4, 3, 0), visit_step(5, 0, 0), visit_step(5, 0, 0), visit_step(5, 0, 0),
                     visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
@@ -74,8 +76,8 @@ TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
   TniHarness harness(setup);
   harness.add(kDeep).run();
   const Trv::Stats& s = trv(harness).stats();
-  // The entry of 4 is in the short stack. That of 3 was dropped: a restart from the link, node 0, visits 0, 1, the
-  // instance and 3. Then restarts for the entry of 1 visit 0 and 1, for that of 0 visit 0; neither enters the instance.
+  // Node 4's entry is in the short stack. Node 3's was dropped: its restart begins at the link, node 0, and visits 0,
+  // 1, the instance and 3. Restarts for the entries of 1 and 0 visit 0 and 1, and 0; neither enters the instance.
   EXPECT_EQ(s.restarts, 3U);
   EXPECT_EQ(s.restarted_visits, 3U + 2U + 1U);
   EXPECT_EQ(s.transforms, 1U + 1U);

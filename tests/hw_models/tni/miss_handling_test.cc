@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// The four ways to handle a miss (tni.miss_handling), with cycle counts computed by hand.
+// Tests of the four ways to handle a cache miss (tni.miss_handling), with cycle counts computed by hand.
 
 namespace hw {
 namespace {
@@ -32,7 +32,8 @@ TEST(MissHandling, ASingleRayWaitsEquallyForEachLineUnlessItLoops) {
     TniHarness harness(one_trv(handling));
     harness.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
     const bool loops = handling == MissHandling::kBypass;
-    const std::uint64_t wait = loops ? 4 * kVisit : kMiss;  // passes of 14 cycles until the line arrives
+    const std::uint64_t wait =
+        loops ? 4 * kVisit : kMiss;  // loops of 14 cycles through the pipe until the line arrives
     EXPECT_EQ(harness.latency(0), kWires + 3 * (kVisit + wait)) << static_cast<int>(handling);
     EXPECT_EQ(trv(harness).stats().bypass_passes, loops ? 3U * 4U : 0U);
     EXPECT_EQ(trv(harness).stats().l1_miss_cycles, 3 * kMiss);
@@ -100,7 +101,7 @@ TEST(MissHandling, AFullRowStallsTheFetchStageUntilItsLineArrives) {
   TniHarness harness(setup);
   harness.add(one_node(0), 2).add(one_node(1)).run();
   EXPECT_EQ(harness.latency(0), kWires + kVisit + kMiss);
-  EXPECT_EQ(harness.latency(1), kWires + kVisit + kMiss);  // its second probe follows the row's ray into the pipe
+  EXPECT_EQ(harness.latency(1), kWires + kVisit + kMiss);  // probes again right after the first ray of its row
   EXPECT_EQ(harness.latency(2), kWires + kVisit + kMiss + kMiss);
   EXPECT_EQ(trv(harness).stats().rau_full, 1U);
   EXPECT_EQ(trv(harness).stats().l1_hits, 1U);

@@ -21,7 +21,7 @@ using traces::visit_step;
 
 constexpr std::uint32_t kHit = 3, kEdge = 2, kDistance = 1;
 
-/// `n` visits of nodes 0, 1, 2, ...: each hits one child, except the last, which hits none.
+/// Returns a traversal that visits nodes 0, 1, 2, ..., `n` - 1. Each visit hits one child; the last hits none.
 Walk straight(std::uint32_t n) {
   Walk walk;
   for (std::uint32_t i = 0; i + 1 < n; ++i) walk.push_back(visit_step(i, 1, 0));
@@ -33,14 +33,14 @@ Walk straight(std::uint32_t n) {
 TEST(Tni, ASingleRayOfNHitsTakesWiresPlusNTimesFetchAndBox) {
   for (const std::uint32_t n : {1U, 2U, 7U, 40U}) {
     TniHarness harness(one_trv());
-    harness.add(straight(n)).add(straight(n));  // the first one brings the lines
+    harness.add(straight(n)).add(straight(n));  // the first ray loads the lines into the cache
     harness.run();
     // Each of the first ray's n misses costs the latency of memory and a second probe.
     const std::uint64_t visit = 2 + 12;
     const std::uint64_t miss = 1 + 50;
     EXPECT_EQ(harness.latency(0), kWires + n * (visit + miss)) << n;
   }
-  // Single and warm: the same ray again, after the others have left.
+  // The same ray again, alone and with warm caches, after the others have left.
   TniHarness::Setup setup = one_trv();
   setup.config.trv.rays = 1;
   TniHarness harness(setup);
@@ -109,7 +109,8 @@ TEST(Tni, RaysToOneLineMergeIntoOneRequest) {
 }
 
 TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
-  // A chain 0 -> 1 -> 2 -> 3 that pushes at each node; nothing is culled, so all four far children are popped.
+  // Traversal along the chain 0 -> 1 -> 2 -> 3 that pushes at each node. No entry is culled, so all four far children
+  // are popped.
   const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
                      visit_step(8, 0, 0), end_step(false)};
@@ -119,8 +120,8 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   TniHarness harness(setup);
   harness.add(walk).run();
   const Trv::Stats& s = harness.tni().trvs().front()->stats();
-  // The entries of nodes 3 and 2 are popped. Those of 0 and 1 were dropped: a restart visits 0 and 1 again and pushes
-  // both.
+  // The stack entries of nodes 3 and 2 are popped. Those of 0 and 1 were dropped: a restart visits 0 and 1 again and
+  // pushes both.
   EXPECT_EQ(s.restarts, 1U);
   EXPECT_EQ(s.restarted_visits, 2U);
   EXPECT_EQ(s.visits, 9U + 2U);
@@ -133,7 +134,7 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   EXPECT_EQ(full.tni().trvs().front()->stats().restarts, 0U);
 }
 
-/// A record for each box; the records of some siblings are adjacent.
+/// Returns one record per box. Records of some siblings are adjacent.
 std::vector<std::array<std::uint32_t, 2>> single_boxes(const RandomLoad& load) {
   std::vector<std::array<std::uint32_t, 2>> boxes;
   for (std::uint32_t i = 0; i < load.parents.size(); ++i) boxes.push_back({1 + 3 * i % 1201, 2 + 2 * i});

@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// The state machine of one ray, without pipes, caches or links. Expected steps are derived by hand from traces/walk.h.
+// Tests of the state machine of one ray, without pipes, caches or links. Expected steps are derived by hand from
+// traces/walk.h.
 
 namespace hw {
 namespace {
@@ -30,7 +31,7 @@ struct SmallTree {
   TreeInMemory tree;
 };
 
-// Pads a walk, as a slot prefetches later steps.
+// Adds padding to a walk, because a slot prefetches later steps.
 Walk padded(Walk walk) {
   walk.resize(walk.size() + 16, end_step(false));
   return walk;
@@ -119,7 +120,8 @@ TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
   EXPECT_EQ(traces::node_of(slot.next_step()), 9U);
 }
 
-/// Walk with entries pushed at nodes 0, 1 and 3, then a visit without a hit at node 7; the entry of node 3 is next.
+/// Traversal that pushes entries at nodes 0, 1 and 3, and then visits node 7 without a hit. The entry of node 3 is
+/// next.
 const Walk kThreeEntries = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), visit_step(7, 0, 0),
                                    visit_step(8, 0, 0), visit_step(4, 0, 0), visit_step(2, 0, 0), end_step(false)});
 
@@ -130,7 +132,7 @@ std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, Trav
   RestartPath path;
   for (int visit = 0; visit < 4; ++visit) slot.advance_to_next_step(capacity, capacity != 0, stats);
   while (slot.pop_stack_entry(stats)) {
-    // The youngest entries are in the short stack; visits of their nodes hit nothing.
+    // The newest entries are in the short stack. Visits of their nodes hit nothing.
     slot.advance_to_next_step(capacity, capacity != 0, stats);
   }
   EXPECT_EQ(slot.next_pipe(), kToStack);
@@ -145,7 +147,7 @@ std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, Trav
 }
 
 TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToThePoppedOne) {
-  // Two entries fit: those of nodes 1 and 3 are popped, that of node 0 was dropped.
+  // Two entries fit into the short stack: those of nodes 1 and 3 are popped; that of node 0 was dropped.
   TraversalSlot slot(kThreeEntries.data(), 0);
   StackStats stats;
   EXPECT_EQ(replayed(false, 2, slot, stats), (std::vector<std::uint32_t>{0}));

@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// Expansion of the recorded walk: box testers, records of the tree, stacks, prefetching, dispatch, ideal units.
+// Tests of how a recorded traversal is expanded: box testers, tree records, stacks, prefetching, dispatch, ideal units.
 
 namespace hw {
 namespace {
@@ -42,7 +42,7 @@ TEST(BoxTesters, WithASingleTesterPassesPopsAndLeavesShareOnePipe) {
     check(harness);
   };
   const Walk leaf = {visit_step(0, 1, 0), leaf_step(0, 2), 0x11, end_step(false)};
-  // Three visits and a pop.
+  // The ray: three visits and a pop.
   run(1, kPopped, [&](const TniHarness& harness) {
     EXPECT_NEAR(static_cast<double>(harness.span()), 7.0 * kRays, 200);
     EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), kRays * kPeriod);
@@ -52,7 +52,7 @@ TEST(BoxTesters, WithASingleTesterPassesPopsAndLeavesShareOnePipe) {
     EXPECT_NEAR(static_cast<double>(harness.span()), 3.0 * kRays, 200);
     EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 0U);
   });
-  // One visit, then a leaf of two triangles; the second one straddles two lines.
+  // The ray: one visit, then a leaf of two triangles. The second one straddles two lines.
   run(1, leaf, [&](const TniHarness& harness) {
     EXPECT_NEAR(static_cast<double>(harness.span()), 4.0 * kRays, 200);
     EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 2 * kRays * kPeriod);
@@ -135,7 +135,8 @@ TEST(TreeRecords, HybridBoxesAreCountedSeparately) {
   EXPECT_EQ(trv(harness).stats().box_tests, 0U);
 }
 
-/// A chain 0 -> 1 -> 2 -> 3 that pushes at each node; nothing is culled, so all four far children are popped.
+/// Traversal along the chain 0 -> 1 -> 2 -> 3 that pushes at each node. No entry is culled, so all four far children
+/// are popped.
 const Walk kChain = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
                      visit_step(8, 0, 0), end_step(false)};

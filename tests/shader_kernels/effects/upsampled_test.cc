@@ -13,7 +13,7 @@
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// Effects at a lower rate: some pixels trace rays, the others are filtered.
+// Tests of effects at a lower rate, where some pixels trace rays and the others are filtered.
 
 namespace kernels {
 namespace {
@@ -67,7 +67,7 @@ std::uint64_t shadow_rays(const RatedStage::Frame& frame) {
   return frame.rays[static_cast<std::size_t>(traces::RayKind::kShadow)];
 }
 
-/// PSNR as in design/methods.md: of sRGB-encoded values, with peak 1.
+/// Returns the PSNR of sRGB-encoded values with peak 1 (docs/design/methods.md).
 double decibels(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -164,7 +164,7 @@ TEST(EffectRate, IsCloseToAllRays) {
 }
 
 TEST(EffectRate, AveragesVisibilityOverSimilarPixels) {
-  // A row of pixels, three of them finished. The middle one emits no rays, the left one is much farther from the eye.
+  // A row of pixels; three are finished. The middle pixel emits no rays; the left one is much farther from the eye.
   constexpr std::uint32_t kPixels = 3;
   std::vector<VisibleRecord<float>> visible(kPixels, {{0, 0, 1}, 5, 0});
   std::vector<RatioRecord<float>> ratios = {{{0.25F, 0.25F, 0.25F}, 1}, {{0, 0, 0}, 0}, {{0.75F, 0.5F, 1}, 1}};

@@ -3,10 +3,10 @@
 namespace kernels {
 namespace {
 
-// A fused kernel has the operations of its parts, less what an earlier part has loaded or computed. light_surface:
-// classify_surfaces; and, compare, and, next for `later`; and, compare for what is lit; shade_ambient with 3 select;
-// shade_diffuse with and, less 3 mul that shade_ambient has done; once each of surfaces, mattes, paths, colours,
-// places.
+// Checks that a fused kernel has the operations of its parts, without those that an earlier part has done. Counted by
+// hand. light_surface: classify_surfaces; and, compare, and, next for `later`; and, compare for what is lit;
+// shade_ambient with 3 select; shade_diffuse with and, less 3 mul that shade_ambient has done; once each of surfaces,
+// mattes, paths, colours, places.
 constexpr Hand kFusedByHand[] = {
     //                         add mul d/s oth cmp sel int cnv  ld  st  $
     {"fetch_surface", {19, 33, 2, 1, 9, 9, 17, 0, 3, 12, 2}},

@@ -10,15 +10,16 @@
 #include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/builtin.h"
 
-// Fused kernels change only the recorded work. Pictures, marks and rays are those of their parts.
+// Tests that fused kernels change only the recorded work. Pictures, marks and rays are those of separate kernels.
 
 namespace kernels {
 namespace {
 
-/// Pictures and work of all frames that a program rendered.
+/// Pictures and recorded work of all frames that a program rendered.
 struct Frames {
   std::vector<float> rgb;
-  std::vector<std::vector<std::uint32_t>> packed;  ///< words of the frame buffer of each tile, in list order
+  std::vector<std::vector<std::uint32_t>>
+      packed;  ///< words written to the frame buffer by each tile, in dispatch order
   std::vector<std::vector<SampleMark>> marks;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   Sampling sampling;
@@ -59,7 +60,7 @@ void expect_same(const Frames& fused, const Frames& apart) {
   EXPECT_EQ(apart.fused, 0U);
 }
 
-/// Compares all programs with and without fusion on a scene.
+/// Compares the results of all programs with and without fusion on a scene.
 void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::BvhConfig& bvh = {},
                                      ProgramConfig programs = {}, traces::MipMaps mip_maps = traces::MipMaps::kOn) {
   const traces::MemoryImage image = traces::build_memory_image(scene, bvh, 0, nullptr, mip_maps);

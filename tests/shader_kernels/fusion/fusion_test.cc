@@ -26,7 +26,7 @@ struct Double {
   }
 };
 
-/// A kernel that loads a word and its double, and adds them.
+/// Part of a fused kernel: loads a word and its double, and adds them.
 struct Add {
   template <class V>
   struct Ports {
@@ -43,7 +43,7 @@ struct Add {
   }
 };
 
-/// A kernel that stores the double again, plus one.
+/// Part of a fused kernel: loads the double, adds one, and stores it.
 struct Increment {
   template <class V>
   struct Ports {
@@ -56,7 +56,7 @@ struct Increment {
   }
 };
 
-/// A kernel that loads the double of the next item.
+/// Part that cannot use registers: it loads the double of the next item.
 struct LookAhead {
   template <class V>
   struct Ports {
@@ -72,7 +72,7 @@ struct LookAhead {
   }
 };
 
-/// A kernel that doubles a word of its own with the same operation as another part.
+/// Part that doubles a word of its own, by the same operation as another part.
 struct DoubleAgain {
   template <class V>
   struct Ports {
@@ -100,7 +100,7 @@ struct NeverStored : Named<Add> {
   static constexpr std::array<std::string_view, 1> kRegisters{"doubled"};
 };
 
-/// Returns how often an operation is in the graph of kernel K.
+/// Returns the number of nodes with an operation in the graph of kernel K.
 template <class K>
 std::uint32_t number_of(Op op) {
   return count_ops(record_graph<K>())[static_cast<std::size_t>(op)];

@@ -5,7 +5,7 @@
 #include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// reconstruct with the colour test: all samples are shaded where colours change but the geometry does not.
+// Tests of `reconstruct` with the colour test, which shades all samples where colours change but geometry does not.
 
 namespace kernels {
 namespace {

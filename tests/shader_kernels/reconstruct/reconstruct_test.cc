@@ -11,7 +11,7 @@
 #include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// Subpixel reconstruction antialiasing: one shaded sample and the geometry of four per pixel.
+// Tests of subpixel reconstruction antialiasing: each pixel has one shaded sample and four geometry samples.
 
 namespace kernels {
 namespace {
@@ -36,7 +36,7 @@ auto sorted(const std::vector<traces::Ray>& rays) {
   return all;
 }
 
-/// Returns a wall, seen from straight ahead, with the shadow of a slanted plate before it; there is no mirror.
+/// Returns a scene without mirrors: a wall, seen from the front, with the shadow of a slanted plate.
 traces::Scene shadowed_wall() {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.2F);
@@ -66,7 +66,7 @@ TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsZeroAcrossAShadowsEd
   EXPECT_EQ(weight({{0, 0, 1}, kNoBranchDepth, 1}, 4), 0.0F);
 }
 
-/// Filters a row of two pixels. `others`: records of all samples that are not shaded.
+/// Filters a row of two pixels. `others`: geometry records of all samples that are not shaded.
 std::vector<ColourRecord<float>> filtered(const VisibleRecord<float>& left, const VisibleRecord<float>& right,
                                           const VisibleRecord<float>& others) {
   std::vector<VisibleRecord<float>> visible(8, others);

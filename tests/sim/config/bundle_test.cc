@@ -9,7 +9,8 @@
 #include "sim/error.h"
 #include "sim/named.h"
 
-// Keys that name files of several groups at once, and files that scale the figures of those that they extend.
+// Tests of keys that select files for several groups at once, and of files that scale values of the file that they
+// extend.
 
 namespace sim::test {
 namespace {
@@ -37,7 +38,7 @@ struct Chip {
   }
 };
 
-/// Tables of 14 and 7 nm, the second scaled.
+/// Tests with tables of 14 nm, and tables of 7 nm that scale them.
 class Bundle : public testing::Test {
  protected:
   Bundle() {

@@ -8,7 +8,7 @@
 namespace sim::test {
 namespace {
 
-/// A base and a variant of it.
+/// A configuration and a variant of it.
 struct Bound {
   MachineConfig base, config;
   ConfigNode base_tree = config_tree(base), tree = config_tree(config);
@@ -64,7 +64,7 @@ TEST(ConfigVariant, IsTheBaseAfterAReset) {
 
 TEST(ConfigVariant, NamesNoFormerArgumentAfterAReset) {
   Bound b;
-  b.set("l2.ways=3");  // the number of sets is not whole
+  b.set("l2.ways=3");  // the number of sets is then not an integer
   EXPECT_THROW(check_tree(b.tree), std::exception);
   b.variant.reset();
   EXPECT_NO_THROW(check_tree(b.tree));

@@ -15,12 +15,12 @@ namespace {
 
 using Library = nlohmann::ordered_json;
 
-/// Text by nlohmann::json, on one line or indented.
+/// Returns the text that nlohmann::json writes, on one line or indented.
 std::string written(const Library& json, int indent) {
   return json.dump(indent, ' ', false, Library::error_handler_t::replace);
 }
 
-/// Random values: arbitrary bits as numbers, arbitrary bytes as texts and keys.
+/// Generator of random JSON values: arbitrary bits as numbers, arbitrary bytes as texts and keys.
 class RandomValue {
  public:
   Library next(int levels) {
@@ -69,7 +69,7 @@ class RandomValue {
   std::mt19937_64 random_{7};
 };
 
-/// Builds the same value with Json's own functions.
+/// Builds the same value with the functions of sim::Json.
 Json copy_of(const Library& json) {
   if (json.is_boolean()) return json.get<bool>();
   if (json.is_number_unsigned()) return json.get<std::uint64_t>();

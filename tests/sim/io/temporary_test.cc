@@ -11,7 +11,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 
-// Temporary folders and lock files, which several processes or threads use at once.
+// Tests of temporary folders and lock files that several processes or threads use at once.
 
 namespace sim::test {
 namespace {

@@ -46,7 +46,7 @@ UnitReport channel(std::uint32_t data_lines) {
   return u;
 }
 
-/// Returns the logic area of a unit with these numbers of testers and adders.
+/// Returns the logic area of a unit with given numbers of testers and adders.
 Band logic_with(std::uint32_t testers, std::uint32_t adders) {
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", testers}, {"adder", adders}};

@@ -3,7 +3,7 @@
 #include "sim/report/table.h"
 #include "sim/report/table_checks.h"
 
-// Sizes outside the tables' curves, and number formats.
+// Tests of sizes outside the curves of tables, and of number formats.
 
 namespace sim {
 namespace {

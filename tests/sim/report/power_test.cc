@@ -63,7 +63,7 @@ TEST(PowerScale, FollowsTheVoltageTheExponentAndTheTemperature) {
   EXPECT_NEAR(power_scale(c, 1.6).leakage, 2, 1e-12);
 }
 
-/// Energy of a unit with 100 KiB and 2 mm2 that counted `boxes` events of 3 pJ.
+/// Returns the energy of a unit with 100 KiB and 2 mm2 that counted `boxes` events of 3 pJ.
 double pj(double boxes, Time time, const PowerScale& scale) {
   EnergyConfig e;
   e.events = {{"box", {3, 3, 3}}};
@@ -94,7 +94,7 @@ TEST(LeakageAlone, IsPowerTimesTimeAtAnyVoltageAndTemperature) {
   }
 }
 
-// For a fixed number of cycles at one voltage, energy is proportional to time, so the fastest clock needs least.
+// For a fixed number of cycles at one voltage, leakage energy is proportional to time, so the fastest clock is best.
 TEST(LeakageAlone, AtOneVoltageGoesWithOneOverTheClock) {
   const double slow = pj(0, 4 * kFemtosecondsPerSecond / 1000, {}), fast = pj(0, kFemtosecondsPerSecond / 1000, {});
   EXPECT_NEAR(slow / fast, 4, 1e-12);

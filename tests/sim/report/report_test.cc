@@ -14,7 +14,7 @@ namespace {
 enum class Block : std::uint8_t { kL2, kTni };
 constexpr std::array<std::string_view, 2> names_of(Block) { return {"l2", "tni"}; }
 
-/// A unit that worked for three cycles and waited for seven.
+/// Test unit that worked for three cycles and waited for seven.
 struct Worker {
   static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t { kIdle, kWorking, kCount };

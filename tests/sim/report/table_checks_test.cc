@@ -16,7 +16,7 @@ UnitReport unit(const char* path, const char* block, std::vector<UnitPart> parts
   return u;
 }
 
-/// A machine with two kinds of units; one has a part whose number is a key.
+/// Returns the reports of two kinds of units. One has a part whose number is a configuration key.
 std::vector<UnitReport> units() {
   return {unit("core0.tni.trv0", "tni", {{"tester", 2}}), unit("core0.tni.trv1", "tni", {{"tester", 2}}),
           unit("core0.srp", "srp")};

@@ -50,7 +50,7 @@ TEST(ThermalNetwork, OfABodyWithoutADieGoes63PercentInATimeConstant) {
   EXPECT_NEAR((t.body - 20) / 20, 1 - std::exp(-1), 1e-3);
 }
 
-/// Small steps of Euler's method converge to the same temperatures.
+/// Reference temperatures by Euler's method with small steps.
 TEST(ThermalNetwork, IsTheLimitOfSmallSteps) {
   const ThermalConfig c = config();
   const ThermalNetwork network(c);

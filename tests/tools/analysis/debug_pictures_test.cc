@@ -12,7 +12,7 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// A row of grey pixels with these marks.
+/// Returns a picture of one row of grey pixels with these sample marks.
 RenderResult row_of(std::vector<kernels::SampleMark> marks) {
   RenderResult frame;
   frame.rgb.assign(3 * marks.size(), 0.5F);

@@ -3,7 +3,7 @@
 #include "tests/tools/analysis/made_up_machine.h"
 #include "tools/analysis/top_down.h"
 
-// The resource that the counters of one run name.
+// Tests of the bottleneck that is estimated from the counters of one run.
 
 namespace tools {
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/temp_folder.h"
 #include "tools/analysis/report_file.h"
 
-// Every number of a report has a path, and any unambiguous end of it names it.
+// Tests that every number of a report has a path, and that any unambiguous end of the path selects it.
 
 namespace tools {
 namespace {

@@ -15,14 +15,14 @@
 #include "tests/tools/program.h"
 #include "tools/analysis/report_file.h"
 
-// Optional parts of totals: DRAM traffic of samples and rates, idle items, the table.
+// Tests of optional parts of a report's totals: DRAM traffic of samples and rates, idle items, and the printed table.
 
 namespace tools {
 namespace {
 
 using sim::Json;
 
-/// A run with one more DMA line in each direction for each area in `areas`.
+/// Returns a run in which the DMA moved one more line in each direction for each memory area in `areas`.
 FrameResult run_with_lines(const std::vector<std::string>& areas) {
   JobOptions options;
   options.resolution = "16x16";

@@ -6,7 +6,7 @@
 #include "tests/tools/analysis/made_up_machine.h"
 #include "tools/run/frame/run_job.h"
 
-// Every cycle of a core has exactly one cause.
+// Tests that every cycle of a core is charged to exactly one cause.
 
 namespace tools {
 namespace {

@@ -7,7 +7,7 @@
 #include "hw_models/frame/memory_interface.h"
 #include "tests/tools/analysis/made_up_machine.h"
 
-// Counters and reasons of units, read through their declarations.
+// Tests of reading counters and cycle reasons of units by their declarations.
 
 namespace tools {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "tests/tools/program.h"
 
-// Adaptive sampling: samples in report.json, and rates carried from frame to frame.
+// Tests of adaptive sampling: sample counts in report.json, and rates that carry over from frame to frame.
 
 namespace test {
 namespace {
@@ -124,14 +124,14 @@ TEST(TracingReasons, AreSharesOfAllTracedSamples) {
   }
 }
 
-/// Counts of a frame.
+/// Sample counts of a frame.
 std::uint64_t references(const Json& frame) {
   const Json& s = frame["sampling"];
   return s["wanted"].get<std::uint64_t>() - s["checked"].get<std::uint64_t>() -
          s["failed"]["border"].get<std::uint64_t>();
 }
 
-/// Frames of a static view with 128 x 64 pixels.
+/// Returns the sample counts of several frames of a static view with 128 x 64 pixels.
 Json frames_of(const std::filesystem::path& out, const Words& more) {
   Words words = {"run",       "--scene",         "teapot",    "--frames", "0:3", "--resolution", "128x64",
                  "--program", "multirate:under", "--threads", "1",        "-o",  out.string()};

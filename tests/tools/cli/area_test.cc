@@ -4,7 +4,7 @@
 #include "tests/tools/pricing/two_designs.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Area of the machine in reports, in sweeps, and in conditions.
+// Tests of the machine's area in reports, in sweeps, and in conditions of sweeps.
 
 namespace test {
 namespace {
@@ -69,7 +69,7 @@ TEST(AreaOfARun, OfABlockThatTheTableDoesNotKnowIsRefused) {
   expect_refusal(run_with("tni: 1, tni@8KiB: 1"), {"area.arrays.tni", "with and without a size"});
 }
 
-/// Nominal mm2 of logic and pads, and leakage power, of a run with these settings.
+/// Nominal area of logic and pads in mm2, and leakage power, of a run with these settings.
 struct Built {
   double logic, pads, leakage_w;
 };
@@ -92,7 +92,7 @@ TEST(AreaOfARun, FollowsTheNumberOfFunctionalUnitsAndBoxTesters) {
   EXPECT_NEAR(built(folder, {"srp.array.div_sqrt_units=1"}).logic - plain.logic, -4 * 3 * 0.0322, 1e-9);
   EXPECT_NEAR(built(folder, {"srp.array.mul_add=true"}).logic - plain.logic, 4 * 16 * 0.0009, 1e-9);
   EXPECT_NEAR(built(folder, {"tni.trv.box_testers=1"}).logic - plain.logic, -16 * 0.0363, 1e-9);
-  // At 7 nm the same parts take 0.36 of that.
+  // At 7 nm the same parts take 0.36 of the area.
   EXPECT_NEAR(built(folder, {"area.extends=7nm", "srp.array.rows=8"}).logic, 0.36 * (plain.logic + 4 * 16 * 0.0151),
               1e-9);
 }

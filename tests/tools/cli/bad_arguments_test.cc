@@ -2,7 +2,7 @@
 
 #include "tests/tools/program.h"
 
-// Invalid command lines: one line on stderr, exit code 2, no output.
+// Tests that invalid command lines cause one line on stderr, exit code 2 and no output.
 
 namespace test {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "tests/tools/program.h"
 
-// Invalid configurations: one line on stderr with file, line and column (or the argument) and what is allowed, exit
-// code 2, no output.
+// Tests of invalid configurations. Each causes one line on stderr with the position (file, line and column, or
+// argument) and what is allowed, exit code 2, and no output.
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Invalid scenes: one line on stderr with the file's name, exit code 2, no output.
+// Tests that invalid scenes cause one line on stderr with the file's name, exit code 2 and no output.
 
 namespace test {
 namespace {

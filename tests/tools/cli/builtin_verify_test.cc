@@ -23,8 +23,8 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes)), file.string());
 }
 
-/// Counts pixels with a channel that differs by more than one step of 8 bits. Glass amplifies the last bits of
-/// distances, and Embree's depend on the host's reciprocal estimates.
+/// Counts pixels with a channel that differs by more than one 8-bit step. Glass amplifies the last bits of distances,
+/// and Embree's depend on the host's reciprocal estimates.
 std::size_t pixels_that_differ(const std::filesystem::path& a, const std::filesystem::path& b) {
   const traces::Texture one = read_png(a), other = read_png(b);
   std::size_t differ = 0;
@@ -39,7 +39,7 @@ std::size_t pixels_that_differ(const std::filesystem::path& a, const std::filesy
   return differ;
 }
 
-/// Small pictures of small scenes, at full size of all; the hairball has an eighth of its strands.
+/// Small pictures of small scenes, or of all scenes at full size. The hairball has an eighth of its strands.
 TEST_P(BuiltIn, AgreesWithEmbreeRayForRayAndInItsPicture) {
   const TempFolder folder;
   Words words = {"verify", "--scene", GetParam(), "--resolution", "200x100", "--quiet", "-o", folder.path().string()};

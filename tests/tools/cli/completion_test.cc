@@ -10,7 +10,7 @@
 #include "tests/temp_folder.h"
 #include "tests/tools/program.h"
 
-// Completion scripts and the manual page, both generated from the declared options.
+// Tests of completion scripts and the manual page, which are generated from the declared options.
 
 namespace test {
 namespace {
@@ -144,7 +144,7 @@ TEST_F(Bash, OffersEveryOptionThatHelpShows) {
   }
 }
 
-/// Scripts of other shells, if installed (tools/validate package installs them).
+/// Tests of other shells' scripts, if these shells are installed (`tools/validate package` installs them).
 struct OtherShells : testing::Test {
   TempFolder folder;
   bool has(const char* shell) const {

@@ -5,7 +5,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// JSON nested deeply enough to exhaust the stack of a recursive reader.
+// Tests of JSON that is nested deeply enough to exhaust the stack of a recursive reader.
 
 namespace test {
 namespace {

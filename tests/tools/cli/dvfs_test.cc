@@ -6,7 +6,7 @@
 
 #include "tests/tools/program.h"
 
-// raywatt dvfs, and runs with energies at the needed voltage.
+// Tests of `raywatt dvfs`, and of runs whose voltage depends on the clock.
 
 namespace test {
 namespace {
@@ -113,7 +113,7 @@ tools::DvfsCurve two_points(double slow_mj, double fast_mj, double idle_mw) {
   return curve;
 }
 
-// Only 100 mW of leakage at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms; gated leakage is 0.03 x 100 mW x 10 ms.
+// There is only leakage, 100 mW at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms. Gated it is 0.03 x 100 mW x 10 ms.
 TEST(DvfsPoints, OfLeakageAloneRaceToIdle) {
   tools::DvfsCurve curve = two_points(2, 1, 3);
   tools::choose_points(curve, 20);

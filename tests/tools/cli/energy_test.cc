@@ -6,7 +6,7 @@
 #include "tests/tools/pricing/two_designs.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// raywatt energy: shown tables, priced runs and sweeps.
+// Tests of `raywatt energy`: printing tables, and pricing runs and sweeps.
 
 namespace test {
 namespace {

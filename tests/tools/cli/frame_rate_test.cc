@@ -3,7 +3,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Target frame rates of runs, finished runs, sweeps and searches.
+// Tests of target frame rates in runs, finished runs, sweeps and searches.
 
 namespace test {
 namespace {

@@ -9,14 +9,14 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Runs of several frames of an animated scene, and workload files with frames.
+// Tests of runs over several frames of an animated scene, and of workload files with frames.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The smallest chess set while the first piece moves.
+/// Arguments of a run of the smallest chess scene while the first piece moves.
 Words chess(const Words& more) {
   Words words = {"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2"};
   words.insert(words.end(), more.begin(), more.end());

@@ -2,7 +2,7 @@
 
 #include "tests/tools/program.h"
 
-// Conformance files of other programs, through the whole simulator.
+// Simulates conformance files of other programs.
 
 namespace test {
 namespace {

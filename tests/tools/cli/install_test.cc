@@ -11,7 +11,7 @@
 #include "tests/tools/program.h"
 #include "tools/host/build_info.h"
 
-// An installation in its own folder.
+// Tests of an installation in its own folder.
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tests/tools/program.h"
 
-// An interrupted run leaves no partial files.
+// Tests that an interrupted run leaves no partial files.
 
 namespace test {
 namespace {
@@ -29,7 +29,7 @@ bool wait_for_tiles(Program& program) {
   });
 }
 
-/// Waits for a value in the progress.
+/// Waits until a value appears in the progress output.
 bool wait_for(Program& program, const std::string& key, const nlohmann::json& value) {
   return program.wait_until([&](const std::string& err) {
     const nlohmann::json line = last_progress(err);
@@ -37,13 +37,13 @@ bool wait_for(Program& program, const std::string& key, const nlohmann::json& va
   });
 }
 
-/// A run of many seconds with progress output.
+/// Returns the arguments of a run that takes many seconds and prints progress.
 Words long_run(const fs::path& out) {
   return {"run", "--resolution", "256x256", "--program", "full:256",  "--threads",
           "2",   "--progress",   "json",    "-o",        out.string()};
 }
 
-/// Interrupts a run with output `out` by this signal.
+/// Starts a run with output `out`, interrupts it by a signal, and returns how it ended.
 Ending stopped_by(int signal, const fs::path& out) {
   Program program(long_run(out));
   EXPECT_TRUE(wait_for_tiles(program));
@@ -51,7 +51,7 @@ Ending stopped_by(int signal, const fs::path& out) {
   return program.wait();
 }
 
-/// Returns sums over all units: elapsed cycles, and cycles by reason.
+/// Returns two sums over all units: elapsed cycles, and cycles of all reasons.
 std::pair<std::uint64_t, std::uint64_t> elapsed_and_why(const nlohmann::json& units) {
   std::pair<std::uint64_t, std::uint64_t> sums;
   if (units.contains("elapsed")) {
@@ -137,7 +137,7 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
   EXPECT_SAYS(later.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
 }
 
-/// The report of `run --rays` on such a list, without host times.
+/// Returns the report of `run --rays` on a ray list, without host times.
 nlohmann::json figures_of_rays(const fs::path& out) {
   const nlohmann::json report = read_json(out / "report.json");
   nlohmann::json figures = {{"totals", report["totals"]}, {"units", report["units"]}};

@@ -4,8 +4,8 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Unknown names are answered with the nearest one; settings without effect, or with more effect than requested, cause a
-// warning.
+// Tests of messages about names: an unknown name is answered with the nearest one. A setting causes a warning if it has
+// no effect, or a greater effect than intended.
 
 namespace test {
 namespace {

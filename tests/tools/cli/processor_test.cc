@@ -4,7 +4,7 @@
 
 #include "tests/tools/program.h"
 
-// The program on older processors, emulated by QEMU (tools/validate package installs it).
+// Tests the program on older processors, emulated by QEMU (`tools/validate package` installs it).
 
 namespace test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tests/tools/program.h"
 
-// A list of rays in place of a camera: only T&I units, caches and memory.
+// Tests of runs on a list of rays instead of a camera, which use only T&I units, caches and memory.
 
 namespace test {
 namespace {
@@ -22,7 +22,7 @@ std::string bytes_of(const Floats& floats) {
   return bytes;
 }
 
-/// Rays from a point in the box of the scene cornell in all directions.
+/// Returns rays in all directions from a point in the Cornell box.
 Floats fan(std::uint32_t count) {
   Floats floats;
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-// `run --reference` and `verify`: comparison with a second run and with Embree.
+// Tests of `run --reference` and `verify`, which compare with a second run and with Embree.
 
 namespace test {
 namespace {

@@ -7,7 +7,7 @@
 #include "sim/report/table.h"
 #include "tests/tools/program.h"
 
-// `raywatt run --replicates`.
+// Tests of `raywatt run --replicates`.
 
 namespace test {
 namespace {
@@ -61,7 +61,7 @@ TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
 }
 
 TEST(ReplicatesOption, CoverEveryMetricThatTheyChange) {
-  // Metrics of the whole frame only; energies by event and cycles by kernel explain these.
+  // Exceptions are values that only explain metrics of the frame, such as energies by event and cycles by kernel.
   const TempFolder folder;
   const Json totals = replicated_report(folder.path() / "out", {"--replicates", "3"})["totals"];
   const Json figures = totals["replicates"]["figures"].flatten(), flat = totals.flatten();
@@ -106,7 +106,7 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
   expect_refusal(raywatt(small_run(folder.path() / "out", more)), {"--replicates", "--tile-sampling"});
 }
 
-/// Counts the speed-ups outside the noise and checks each.
+/// Counts speed-ups that are greater than their noise, and checks the noise of each.
 std::size_t outside_of(const std::string& text, const char* from, int plays) {
   std::size_t outside = 0;
   const Json found = Json::parse(text);

@@ -5,7 +5,7 @@
 
 #include "tests/tools/program.h"
 
-// Results of a run: files, fields of report.json, sums, repeatability.
+// Tests of a run's results: files, fields of report.json, sums, and repeatability.
 
 namespace test {
 namespace {

@@ -8,7 +8,7 @@
 #include "traces/scene/images.h"
 #include "traces/scenes/builtin.h"
 
-// raywatt scenes: list, info, export.
+// Tests of `raywatt scenes` with list, info and export.
 
 namespace test {
 namespace {
@@ -97,7 +97,7 @@ TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
 
 TEST(ScenesInfo, DescribesFourTriangles) {
   const TempFolder folder;
-  // A tetrahedron: (0,0,0), (1,0,0), (0,1,0), (0,0,1), and its faces.
+  // A tetrahedron with corners (0,0,0), (1,0,0), (0,1,0), (0,0,1).
   const std::string file =
       folder
           .write("four.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],

@@ -4,7 +4,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Parent processes that closed standard streams, or streams that accept no output.
+// Tests of processes whose standard streams are closed or accept no output.
 
 namespace test {
 namespace {

@@ -6,14 +6,14 @@
 #include "tests/tools/pricing/two_designs.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// raywatt sustain, and runs that repeat their frame over minutes.
+// Tests of `raywatt sustain`, and of runs that repeat their frame over minutes.
 
 namespace test {
 namespace {
 
 using Json = nlohmann::json;
 
-/// A device so small that the machine is too hot for it.
+/// Settings of a device that is too small for the machine's heat.
 const Words kHot = {"--set", "thermal.body_resistance=30", "--set", "thermal.body_capacity=3",
                     "--set", "thermal.other_power=0",      "--set", "thermal.die_resistance=20",
                     "--set", "thermal.lookahead=10"};

@@ -6,7 +6,7 @@
 #include "tests/temp_folder.h"
 #include "tests/tools/program.h"
 
-// --timeline: its file, its entry in the report, its errors.
+// Tests of the option --timeline: its file, its entry in the report, its errors.
 
 namespace test {
 namespace {

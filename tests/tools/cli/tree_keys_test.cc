@@ -8,7 +8,7 @@
 #include "tests/tools/program.h"
 #include "tools/run/frame/run_job.h"
 
-// Keys of the tree's number format and memory layout.
+// Tests of configuration keys for the BVH's number format and memory layout.
 
 namespace test {
 namespace {
@@ -26,7 +26,7 @@ tools::FrameResult run(const tools::Inputs& inputs) {
   return tools::simulate_frame(inputs, kernels::parse_program("full:1"), 1);
 }
 
-/// Returns every key that affects the layout, with another value.
+/// Returns every key that affects the layout, with a value other than the default.
 std::vector<std::string> layout_changes() {
   std::vector<std::string> changes;
   for (const sim::FieldInfo& field : sim::list_fields(tools::RunConfig())) {

@@ -6,7 +6,7 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Output streams, and verbs without results.
+// Tests of output streams, and of verbs that write no results.
 
 namespace test {
 namespace {
@@ -177,7 +177,7 @@ TEST(LookUp, ABareNameIsNeverAFileOfTheWorkingFolder) {
   EXPECT_SAYS(silent_output_of({"config", "show", "mine.yaml"}, {other.path(), {}, 0, {}}), "cores: 3  #");
 }
 
-/// Expects the schema to have every key of the value, and no undeclared one.
+/// Expects that the JSON schema declares every key of the value.
 void expect_known(const nlohmann::json& schema, const nlohmann::json& value, const std::string& path) {
   if (!value.is_object() || !schema.contains("properties")) return;
   for (const auto& [key, inner] : value.items()) {

@@ -7,7 +7,7 @@
 #include "tests/tools/program.h"
 #include "tools/run/frame/load_config.h"
 
-// Warnings about a run's inputs, printed by every verb that reads them.
+// Tests of warnings about a run's inputs, which every verb prints that reads them.
 
 namespace test {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 const Words kIdle = {"--set", "dram.grade=lpddr5-6400"};
 constexpr const char* kSaid = "raywatt: warning: dram.grade is only a name in reports";
 
-/// Returns standard error of a verb with a setting without effect.
+/// Returns the text on stderr of a verb that has a setting without effect.
 std::string said_by(Words words, const Words& more = kIdle) {
   words.insert(words.end(), more.begin(), more.end());
   const Ending ending = raywatt(words);
@@ -49,7 +49,7 @@ TEST(Warnings, OfKeysOfASystemCacheOrBackgroundThatAreOffNameTheKeyThatIsMissing
   EXPECT_SAYS(said, "dram.refreshed_part has no effect without dram.idle=self_refresh");
 }
 
-/// Extrapolated figures, and tables of two processes.
+/// The settings extrapolate a table and mix tables of two processes.
 TEST(Warnings, OfTheTablesArePrintedByEveryVerbThatReadsAConfiguration) {
   const TempFolder folder;
   const std::string out = (folder.path() / "out").string(), trace = (folder.path() / "a.trace").string(),

@@ -11,7 +11,7 @@
 #include "tests/tools/program.h"
 #include "tools/host/run_folder.h"
 
-// Where results may be written, and that they appear as a whole.
+// Tests of result folders: where they may be written, and that they appear as a whole.
 
 namespace test {
 namespace {

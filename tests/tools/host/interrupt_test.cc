@@ -8,7 +8,7 @@
 #include "tools/host/process.h"
 #include "tools/host/run_folder.h"
 
-// Signals and the handling by the process that receives them.
+// Tests of how a process handles signals.
 
 namespace test {
 namespace {

@@ -11,7 +11,7 @@
 #include "tests/tools/host/on_terminal.h"
 #include "tests/tools/program.h"
 
-// Progress output during a run.
+// Tests of progress output during a run.
 
 namespace test {
 namespace {

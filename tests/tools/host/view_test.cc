@@ -8,7 +8,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/host/progress.h"
 
-// Live views: pictures and statistics on a terminal.
+// Tests of the live view, which shows picture and statistics on a terminal.
 
 namespace test {
 namespace {

@@ -10,7 +10,7 @@
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/packing.h"
 
-// The file of intervals, byte by byte as specified in docs/intervals.md.
+// Tests of the file of intervals, byte by byte, as specified in docs/intervals.md.
 
 namespace tools {
 namespace {
@@ -27,7 +27,7 @@ std::vector<sim::UnitReport> two_units() {
   return {a, b};
 }
 
-/// Returns five values that grow by a hash, in `rows` intervals of 10 fs.
+/// Returns records of five random growing values, over `rows` intervals of 10 fs.
 sim::Intervals grown(std::size_t rows, std::uint64_t seed) {
   sim::Intervals intervals(10);
   intervals.allocate_rows(5);
@@ -93,7 +93,7 @@ TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
   EXPECT_EQ(frame.with_merged_intervals(11).rows, 11U);
 }
 
-/// A file written from the page's specification alone: names, then one frame of two intervals.
+/// Returns a file written only from the specification: names, then one frame of two intervals.
 struct ByHand {
   std::string magic{kMagic};
   std::uint64_t frames = 1, units = 1, reasons = 1, counters = 0, length = 10, end = 15, rows = 2, total = 15;

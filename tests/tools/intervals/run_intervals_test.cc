@@ -15,7 +15,7 @@
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/power.h"
 
-// Intervals of finished runs, read back. RAYWATT_INTERVALS sets the number of random machines.
+// Tests of reading the intervals of finished runs. RAYWATT_INTERVALS sets the number of random machines.
 
 namespace test {
 namespace {
@@ -28,8 +28,7 @@ std::uint64_t machines() {
   return wanted == nullptr ? 3 : std::strtoull(wanted, nullptr, 10);
 }
 
-/// Expects that the energies of intervals give the frame's by the same arithmetic on the same counts, in the same
-/// order.
+/// Expects that energies computed from intervals equal those of the frame's report.
 void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_report,
                            const tools::IntervalFrame& frame) {
   const std::pair<const char*, sim::BandMember> sides[] = {

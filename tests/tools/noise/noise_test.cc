@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// Default noise, used without replicates.
+// Tests of the default noise, which is assumed without replicates.
 
 namespace tools {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tools/noise/noise.h"
 
-// Closed forms of means, intervals and tests.
+// Tests of means, confidence intervals and significance tests against closed forms.
 
 namespace tools {
 namespace {
@@ -27,7 +27,7 @@ TEST(Draws, OneDrawHasNoInterval) {
 }
 
 TEST(StudentT, OneDegreeIsCauchysDistribution) {
-  // Its quantile is tan(pi (p - 1/2)), its tail 1/2 - atan(t) / pi.
+  // For one degree of freedom the quantile is tan(pi (p - 1/2)), and the tail 1/2 - atan(t) / pi.
   EXPECT_NEAR(student_t(1), std::tan(M_PI * 0.475), 1e-9);
   EXPECT_NEAR(student_t(1, 0.75), 1, 1e-12);
   EXPECT_NEAR(student_t_above(1, 1), 0.25, 1e-12);

@@ -8,7 +8,7 @@
 
 #include "tests/tools/pricing/two_designs.h"
 
-// Two designs compared while the figures of the energy tables vary in their bands.
+// Tests of comparing two designs while values of the energy tables vary within their bands.
 
 namespace test {
 namespace {
@@ -21,7 +21,7 @@ struct TwoDesigns : testing::Test {
   ReportFile b = load_report(run_into(folder.path() / "b", {"--set", "tni.trv.l1.size=32 KiB", "--set", "cores=2"}));
 };
 
-/// Returns the figures of a draw as arguments of --set.
+/// Returns randomly drawn table values as arguments of --set.
 std::vector<std::string> sets_of(PricedRun& run, const EnergyDraw& draw) {
   std::vector<std::string> sets;
   run.apply_draw(draw);

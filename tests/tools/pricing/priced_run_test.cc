@@ -5,7 +5,7 @@
 #include "sim/error.h"
 #include "tests/tools/pricing/two_designs.h"
 
-// The energy of a finished run under another table equals that of a run with that table.
+// Tests that a finished run priced by another energy table equals a run with that table.
 
 namespace test {
 namespace {
@@ -15,7 +15,7 @@ using tools::load_report;
 using tools::PricedRun;
 using tools::PriceTable;
 
-/// Expects the report's totals that depend on energy.
+/// Expects that a priced run has the energy totals of a report.
 void expect_totals(const PricedRun& run, const std::filesystem::path& report) {
   const sim::Json totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   for (const auto& [key, value] : priced.items()) {
@@ -72,7 +72,7 @@ TEST(PricedRun, OfAWholeTableTakesNothingFromTheRuns) {
   }
 }
 
-/// Returns the error for a changed report, or for a table.
+/// Returns the error of pricing a changed report, or by a certain table.
 std::string complaint(const tools::ReportFile& report, const PriceTable& table = {}) {
   try {
     const PricedRun run(report, table);

@@ -4,7 +4,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/run/hand_made_trace.h"
 
-// Invalid traces written by hand.
+// Tests of invalid traces that are written byte by byte.
 
 namespace test {
 namespace {
@@ -72,7 +72,7 @@ TEST_F(BadHandMadeTrace, OfBlocksWithoutTheirContentSizeIsRefused) {
   expect_refusal(replay(trace(kWords, false, {}, {.size = false})), {"a.trace: has a block without a size"});
 }
 
-/// A tile of `rays` rays with equal walks.
+/// Returns a tile of `rays` rays with equal traversals.
 std::string tile_of_equals(std::uint64_t rays) {
   const std::string count = varint(rays), each = bytes({1, 1 << 1 | 1});
   std::string all = bytes({0, 0, 4, 0, 0, /*nodes*/ 3, /*launch*/ 0}) + count + bytes({0, 0, 0, 0, /*rays*/ 1}) +

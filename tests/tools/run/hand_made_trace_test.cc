@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 
-// Replays of traces written by hand.
+// Tests of replaying traces that are written byte by byte.
 
 namespace test {
 namespace {

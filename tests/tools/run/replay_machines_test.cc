@@ -11,7 +11,7 @@
 #include "tools/run/stored_frames.h"
 #include "traces/trace_file/trace_writer.h"
 
-// One recording, many machines: each replay equals a run. RAYWATT_REPLAYS sets their number.
+// Tests that replays of one recording on random machines equal runs. RAYWATT_REPLAYS sets the number of machines.
 
 namespace test {
 namespace {
@@ -28,7 +28,7 @@ tools::JobOptions options_for(const std::filesystem::path& config) {
   return options;
 }
 
-/// Random keys of timing and walk; keys of layout in turn.
+/// Returns random settings of keys that affect timing or traversal, and one of several tree layouts in turn.
 tools::RunConfig random_machine(std::uint64_t seed, traces::InstanceLevels levels) {
   tools::RunConfig config = tools::load_run_config({});
   *config.gpu = hw::test::random_config(seed);

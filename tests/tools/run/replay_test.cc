@@ -10,7 +10,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/run/trace_bytes.h"
 
-// A replay gives exactly the report of the run, or one line with the reason why not.
+// Tests that a replay gives exactly the report of the run, or else one line with the reason.
 
 namespace test {
 namespace {

@@ -7,7 +7,7 @@
 #include "sim/hash.h"
 #include "tools/sampling/tile_sampling.h"
 
-// Estimated totals: exact cases, and the coverage of the interval.
+// Tests of totals estimated from samples: exact cases, and the coverage of the confidence interval.
 
 namespace tools {
 namespace {
@@ -16,14 +16,14 @@ double uniform(std::uint64_t trial, std::uint64_t index, std::uint64_t of) {
   return static_cast<double>(sim::unit_float(sim::hash(trial, index, of)));
 }
 
-/// Approximately normal, variance 1.
+/// Returns an approximately normal random number of variance 1.
 double noise(std::uint64_t trial, std::uint64_t index) {
   double sum = -6;
   for (std::uint64_t i = 0; i < 12; ++i) sum += uniform(trial, index, 100 + i);
   return sum;
 }
 
-/// A whole of many parts, some of them drawn with probability proportional to size.
+/// A population of parts. Some are sampled, with probability proportional to size.
 struct Drawn {
   SamplePart whole{0, {0, 0}};
   std::vector<SamplePart> parts;
@@ -31,7 +31,8 @@ struct Drawn {
   double truth = 0;
 };
 
-/// The quantity of a part is 3 per size, 2 and 5 per trait, plus `unknown` per size times a normal deviate.
+/// The quantity to estimate: for each part 3 per size, 2 and 5 per trait, and a normal deviate times `unknown` per
+/// size.
 Drawn draw(std::uint64_t trial, std::size_t count, double unknown) {
   constexpr std::size_t kAll = 2000;
   std::vector<SamplePart> all;

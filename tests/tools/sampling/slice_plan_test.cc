@@ -7,7 +7,7 @@
 
 #include "tools/sampling/timed_tiles.h"
 
-// Plans that split a frame's tiles into slices.
+// Tests of plans that split a frame's tiles into slices.
 
 namespace tools {
 namespace {
@@ -36,7 +36,7 @@ TEST(SlicePlan, ShortSlicesAndThoseOfSmallFramesHaveLeadsTwiceAsLongWhichDoTheWa
   const std::vector<Slice> as_short_as_leads = plan_slices(std::vector<double>(120, 1), 10, kShape);
   EXPECT_EQ(as_short_as_leads[1].begin(), 0U) << "there are no more tiles before it";
   EXPECT_EQ(as_short_as_leads[9].begin(), 108U - 24);
-  // Frames below fifty leads are small, slices below five are short.
+  // A frame of fewer tiles than fifty leads is small, a slice of fewer than five leads is short.
   EXPECT_EQ(plan_slices(std::vector<double>(599, 1), 2, kShape)[1].lead, 24U);
   EXPECT_EQ(plan_slices(std::vector<double>(600, 1), 2, kShape)[1].lead, 12U);
   EXPECT_EQ(plan_slices(std::vector<double>(1200, 1), 20, kShape)[1].lead, 12U);

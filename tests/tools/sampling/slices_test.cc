@@ -13,7 +13,7 @@
 #include "tools/sampling/pilot.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Sliced frames compared with the same frames simulated as a whole.
+// Compares sliced frames with the same frames simulated as a whole.
 
 namespace tools {
 namespace {
@@ -111,7 +111,7 @@ TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
     EXPECT_EQ(cut.rendered.rays[k], whole.rendered.rays[k]);
 }
 
-/// Eight slices, each simulated alone and parsed from its text.
+/// Returns eight slices, each simulated alone and then written to text and read again.
 const std::vector<sim::Json>& eight_parts() {
   static const std::vector<sim::Json> parts = [] {
     std::vector<sim::Json> all(8);

@@ -5,7 +5,7 @@
 
 #include "tools/sampling/timed_tiles.h"
 
-// Plans of the simulated tiles of a frame.
+// Tests of plans that choose the tiles of a frame to simulate.
 
 namespace tools {
 namespace {

@@ -13,7 +13,7 @@
 #include "tests/full_size.h"
 #include "tests/tools/program.h"
 
-// Sampled frames compared with the same frames simulated as a whole.
+// Compares sampled frames with the same frames simulated as a whole.
 
 namespace tools {
 namespace {

@@ -9,7 +9,7 @@
 #include "sim/engine.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 
-// Blocks of a frame on the machine, with caches warmed by the tiles before them.
+// Tests of simulating blocks of a frame's tiles, with caches warmed by the tiles before each block.
 
 namespace tools {
 namespace {

@@ -10,7 +10,7 @@
 #include "tools/tiles/tile_energy.h"
 #include "traces/scene/images.h"
 
-// Heat maps: their values are those of tiles.json and pixels.exr, their colours run from 0 to the largest value.
+// Tests that heat maps have the values of tiles.json and pixels.exr, in colours from 0 to the largest value.
 
 namespace tools::test {
 namespace {

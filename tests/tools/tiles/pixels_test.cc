@@ -9,7 +9,7 @@
 #include "tools/tiles/heat_map.h"
 #include "tools/tiles/tile_energy.h"
 
-// Work of each pixel's rays: complete, and attributed to the right pixel.
+// Tests that the work of rays is completely attributed to the right pixels.
 
 namespace tools::test {
 namespace {
@@ -82,7 +82,7 @@ TEST(Pixels, OfATileSumToIt) {
 }
 
 TEST(Pixels, HaveRaysWhereTheProgramTraced) {
-  // Halos come from memory, so that a tile traces its own samples alone.
+  // Halo samples come from memory, so that a tile traces only its own samples.
   const Inputs inputs = small_inputs({"render.tile=16"});
   for (const char* program : {"multirate:under", "undersample"}) {
     const FrameResult s = simulate_frame(inputs, kernels::parse_program(program), 1, {.marks = true, .itemised = true});

@@ -12,7 +12,8 @@
 #include "tools/analysis/units.h"
 #include "tools/tiles/tile_energy.h"
 
-// Figures of tiles sum to those of the frame on any machine, and itemising does not change the machine.
+// Tests that values of tiles sum to those of the frame on any machine, and that collecting them does not change
+// results.
 
 namespace tools::test {
 namespace {
@@ -56,7 +57,7 @@ void expect_sums(const FrameResult& s, const TileFrame& frame) {
   EXPECT_EQ(sum_of_column(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);
 }
 
-/// Expects that the rest contains only energy without a tile, not energy omitted by mistake.
+/// Expects that energy not attributed to tiles is only that which has no tile, not energy omitted by mistake.
 void expect_honest_rest(const FrameResult& s, const Inputs& inputs, const TileFrame& frame) {
   const double rest = tile_energy(s, inputs.config).rest.nominal * kMillijoulesPerPicojoule;
   const TileColumn& column = *frame.find("energy_mj_nominal");

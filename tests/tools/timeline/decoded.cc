@@ -10,11 +10,11 @@
 namespace tools::test {
 namespace {
 
-/// A message of protoc's text: fields in order, each a plain value or a message.
+/// A message in protoc's text format: a list of fields, each with a plain value or a message.
 struct Message {
   struct Field {
     std::string name, value;
-    std::vector<Message> message;  ///< one, or none for a plain value
+    std::vector<Message> message;  ///< the message; empty for a plain value
   };
   std::vector<Field> fields;
 
@@ -133,7 +133,7 @@ class Reader {
   DecodedTimeline out_;
   Texts names_, categories_, notes_;
   std::map<std::uint64_t, std::vector<DecodedSlice>> open_;
-  std::map<std::uint64_t, std::uint64_t> last_;  ///< time of a track's last event
+  std::map<std::uint64_t, std::uint64_t> last_;  ///< time of the last event of each track
 };
 
 }  // namespace

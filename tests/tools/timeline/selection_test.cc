@@ -13,7 +13,7 @@ namespace {
 
 using Rows = std::vector<std::size_t>;
 
-/// Tiles of 16 x 8 pixels, two per row; the second pass visits the third one again.
+/// Returns tiles of 16 x 8 pixels, two per row. A second pass visits the third tile again.
 TileFrame four_tiles() {
   return {0,
           {{"x", "pixels", false, {0, 16, 0, 16, 0}},

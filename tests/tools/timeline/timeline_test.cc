@@ -13,7 +13,7 @@
 #include "tools/analysis/units.h"
 #include "tools/tiles/tile_energy.h"
 
-// Timelines in Perfetto's format, decoded by protoc, agree with the report.
+// Tests that timelines in Perfetto's format, decoded by protoc, agree with the report.
 
 namespace tools::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "traces/accel/verify.h"
 #include "traces/walk.h"
 
-// Rays pass through the back faces of single-sided materials in BvhTracer, Embree and exact_hit().
+// Tests that rays pass through back faces of single-sided materials in BvhTracer, Embree and exact_hit().
 
 namespace traces {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::array kInstanceLevels{InstanceLevels::kFlatten, InstanceLevels::k
 const Ray kFromFront{{0.25F, 0.25F, 1}, 0, {0, 0, -1}};
 const Ray kFromBack{{0.25F, 0.25F, -1}, 0, {0, 0, 1}};
 
-/// Returns for every tracer whether a ray from the front and one from the back hit.
+/// Returns, for every tracer, if a ray from the front hits and if one from the back hits.
 std::vector<bool> seen(const Scene& scene, InstanceLevels instances, RayKind kind) {
   const MemoryImage image = build_memory_image(scene, {.instances = instances}, 1);
   const BvhTracer bvh(image);

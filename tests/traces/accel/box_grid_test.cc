@@ -8,13 +8,13 @@
 #include "traces/accel/node_format.h"
 #include "traces/scenes/builtin.h"
 
-// Boxes in hybrid numbers contain those in floats.
+// Tests that boxes in hybrid number format contain those in floats.
 
 namespace traces {
 namespace {
 
-/// Expects all boxes of `hybrid` to be whole numbers of 19 bits, and to contain those of `floats` with at most one step
-/// to spare on each side.
+/// Expects that all boxes of `hybrid` are integers of 19 bits, and contain those of `floats` with at most one step of
+/// margin on each side.
 void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
   ASSERT_TRUE(hybrid.grid.has_value());
   const BoxGrid& grid = *hybrid.grid;

@@ -17,8 +17,8 @@
 namespace traces {
 namespace {
 
-/// The hit of a ray, computed in double precision from the equations of the triangles. A ray is clear if it passes
-/// close to no edge.
+/// The hit of a ray, computed in double precision from the equations of the triangles. A hit is clear if the ray is not
+/// close to any edge.
 struct Exact {
   double t = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = kNoHit;
@@ -124,7 +124,7 @@ TEST(BvhTracer, RaysAimedAtEdgesDoNotLeak) {
   EXPECT_EQ(leaks(image, rays), 0U);
 }
 
-// A known gap, which Embree has too: where several edges meet, rounding decides each edge test on its own.
+// A known gap, also in Embree: at a vertex, where several edges meet, each edge test is rounded separately.
 TEST(BvhTracer, OfRaysAimedAtACornerOneInAThousandSlipsThrough) {
   const MemoryImage image = build_memory_image(sphere(24, 48));
   const std::vector<Ray> rays = rays_at(image, 200, [](const TriangleRecord& t, Dice&) { return t.v1; });

@@ -12,7 +12,7 @@
 namespace traces {
 namespace {
 
-/// Returns the number of rays whose hit or triangle differs.
+/// Returns the number of rays whose results differ: hit or miss, or the triangle.
 std::uint64_t disagreements(const MemoryImage& image, const std::vector<Ray>& rays, RayKind kind) {
   const std::vector<Hit> ours = trace(BvhTracer(image), rays, kind);
   const std::vector<Hit> truth = trace(EmbreeTracer(image, 1), rays, kind);

@@ -9,14 +9,14 @@
 #include "traces/accel/embree_tracer.h"
 #include "traces/accel/verify.h"
 
-// Traversal of trees with boxes in hybrid numbers.
+// Tests of traversing trees with boxes in hybrid number format.
 
 namespace traces {
 namespace {
 
 constexpr BvhConfig kHybrid{.numbers = BoxNumbers::kHybrid};
 
-/// Returns the number of words in all rays' walks.
+/// Returns the number of traversal words of all rays.
 std::size_t walk_words(const MemoryImage& image, const std::vector<Ray>& rays) {
   std::vector<Hit> hits(rays.size());
   std::vector<std::uint32_t> words, begin;
@@ -83,7 +83,7 @@ TEST(HybridWalk, FindsTheHitsOfFloatsFromFarAway) {
   }
 }
 
-// From farther away the triangle test finds hits next to its triangles, outside all their boxes. No tree finds all of
+// From farther away rounding gives hits next to triangles, outside all their boxes. No tree finds all of
 // these.
 TEST(HybridWalk, LosesNoMoreHitsThanFloatsWhereTheTriangleTestIsCoarserThanBoxes) {
   const Scene scene = triangle_soup(1000, 0.15F);

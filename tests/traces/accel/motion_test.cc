@@ -12,7 +12,7 @@
 #include "traces/accel/verify.h"
 #include "traces/scene/gltf.h"
 
-// Animated scenes, compared with Embree, with trees rebuilt and refitted.
+// Tests of animated scenes with rebuilt and with refitted trees, compared with Embree.
 
 namespace traces {
 namespace {

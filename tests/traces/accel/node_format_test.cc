@@ -9,7 +9,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 
-// Layout of tree and triangle records in memory.
+// Tests of the layout of tree and triangle records in memory.
 
 namespace traces {
 namespace {

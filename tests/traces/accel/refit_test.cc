@@ -24,7 +24,7 @@ void expect_same(const MemoryImage& a, const MemoryImage& b) {
   EXPECT_EQ(a.layout.end, b.layout.end);
 }
 
-/// Returns the scene with every vertex moved by up to `far` along each axis, then turned and stretched.
+/// Returns the scene with every vertex moved by up to `far` along each axis, and then rotated and scaled.
 Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   Dice dice(seed);
   for (Mesh& mesh : scene.meshes) {
@@ -47,7 +47,7 @@ Scene coloured_soup() {
   return scene;
 }
 
-/// Returns scenes with areas, flat ones, some that are only a line or point, and zeros of both signs.
+/// Returns scenes of normal triangles, of triangles without area (a line or a point), and with zeros of both signs.
 std::vector<Scene> scenes() {
   Scene signs = grid_soup(500);
   signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});

@@ -5,7 +5,7 @@
 #include "traces/accel/embree_tracer.h"
 #include "traces/scenes/library.h"
 
-// Long builds of a tree can be cancelled.
+// Tests that long builds of a tree can be cancelled.
 
 namespace traces {
 namespace {

@@ -13,7 +13,7 @@
 namespace traces {
 namespace {
 
-/// A faulty tracer: it passes every tenth hit to `damage`.
+/// A faulty tracer, in which `damage` changes every tenth hit.
 class BrokenTracer : public Tracer {
  public:
   BrokenTracer(const Tracer& good, std::function<void(Hit&)> damage) : good_(good), damage_(std::move(damage)) {}

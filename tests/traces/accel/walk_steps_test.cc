@@ -8,7 +8,7 @@ namespace traces::test {
 namespace {
 
 TEST(CountSteps, CountsNodesAndTrianglesOfWalksBackToBack) {
-  // Words of exit phases may look like any other word; an enter has no second word.
+  // The word of exit phases after a leaf may have any value. An enter step has no second word.
   const std::vector<std::uint32_t> words = {
       visit_step(0, 1, 0), enter_step(0),       visit_step(3, 3, 0), leaf_step(7, 2), 0x33, cull_step(1),
       end_step(true),      visit_step(0, 0, 0), end_step(false),     leaf_step(0, 1), 0x1,  end_step(false)};

@@ -9,12 +9,12 @@
 namespace traces {
 namespace {
 
-/// Replays a walk on the tree with its own stack. Each word must fit the tree at that point.
+/// Replays a recorded traversal on the tree with its own stack. Each word must be valid at its node.
 class Replay {
  public:
   Replay(const MemoryImage& image, const std::uint32_t* word) : image_(image), word_(word) {}
 
-  /// Returns the hit bit of the walk. Sets `phase_hit` if any triangle test reported a hit.
+  /// Returns the hit bit at the end of the traversal. Sets `phase_hit` if any triangle test reported a hit.
   bool run(bool any_hit, bool& phase_hit) {
     std::uint32_t link = 0;
     while (link != kNoChild) {

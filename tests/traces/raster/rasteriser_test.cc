@@ -52,7 +52,7 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   append(both, square(0.5F, 0, 1, 1));
   const Rasteriser beside(image_of(both), camera, {}, 16);
   Coverage found;
-  // The middle of the picture: a ray along the axis, without rounding.
+  // In the middle of the picture the ray is along the axis and has no rounding.
   const std::vector<Ray> middle{{glm::vec3(0), 0, glm::vec3(0, 0, -1)}};
   beside.cover_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);

@@ -13,7 +13,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-/// Returns a surface without textures after it was exported and reloaded.
+/// Returns a surface without textures after export and reload.
 Material reloaded(const Material& m) {
   Scene scene = traces::build_scene("cornell");
   for (Material& each : scene.materials) each = m;

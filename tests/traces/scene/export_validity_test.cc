@@ -13,8 +13,8 @@
 #include "traces/scene/export.h"
 #include "traces/scenes/builtin.h"
 
-// The Khronos validator reports neither errors nor warnings about exported scenes. RAYWATT_EXPORTS sets the number of
-// random files (default 16) and adds large built-in scenes and real scenes.
+// Tests that the Khronos validator reports neither errors nor warnings about exported scenes. RAYWATT_EXPORTS sets the
+// number of random files (default 16), and adds large built-in scenes and real scenes.
 
 namespace test {
 namespace {
@@ -26,7 +26,7 @@ std::size_t files_wanted() {
 
 bool is_long() { return std::getenv("RAYWATT_EXPORTS") != nullptr; }
 
-/// Exports scenes and validates them, many files in one run of the validator.
+/// Exports scenes and validates many of them in one run of the validator.
 class Exports {
  public:
   ~Exports() { std::cout << count_ << " exports validated\n"; }
@@ -43,7 +43,7 @@ class Exports {
     }
   }
 
-  /// Returns what the validator has printed about the files since the last call.
+  /// Runs the validator on the files since the last call and returns its output.
   std::string complaints() {
     if (waiting_ == 0) return {};
     if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";
@@ -69,7 +69,7 @@ class Exports {
   std::size_t count_ = 0, waiting_ = 0, bytes_ = 0;
 };
 
-/// Exports the file if it can be read.
+/// Reads a file, and exports it if it is valid.
 void add_file(Exports& exports, const std::string& name, const std::string& bytes) {
   const TempFolder folder;
   traces::SceneLimits limits;

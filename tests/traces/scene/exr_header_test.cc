@@ -6,7 +6,7 @@
 #include "traces/scene/images.h"
 #include "traces/scene/images/formats.h"
 
-// Headers of OpenEXR files are checked before the library allocates the memory that they claim.
+// Tests that headers of OpenEXR files are checked before the library allocates the memory that they claim.
 
 namespace test {
 namespace {

@@ -70,7 +70,7 @@ void add_materials(traces::Scene& scene) {
   scene.materials = {all, glass, metal, veil, sign};
 }
 
-/// A mesh with four joints per vertex, as in real files: unused ones, and a joint named twice.
+/// Returns a mesh with four joints per vertex. As in real files, some are unused and one is named twice.
 traces::Mesh skinned_quad() {
   traces::Mesh mesh = feature_quad("cloth", 2);
   traces::Deformation d;

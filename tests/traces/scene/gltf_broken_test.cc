@@ -5,7 +5,7 @@
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Well-formed JSON with invalid content is refused with one line that names the fault.
+// Tests that well-formed JSON with invalid content is refused with one line that names the fault.
 
 namespace test {
 namespace {

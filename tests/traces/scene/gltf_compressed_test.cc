@@ -9,7 +9,7 @@
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/bounds.h"
 
-// Compressed geometry equals uncompressed geometry, within the encoder's quantisation.
+// Tests that compressed geometry equals uncompressed geometry, within the encoder's quantisation.
 
 namespace test {
 namespace {
@@ -56,8 +56,7 @@ TEST(GltfDraco, TextAndBinaryFilesAndTextureCoordinates) {
   expect_same(scene, 1e-3F);
 }
 
-/// Returns a file with the tiny triangle as Draco data, with joints in floats, and the accessors of `joints` and
-/// weights.
+/// Returns a file with the tiny triangle as Draco data with joints as floats. `joints`, `weights`: their accessors.
 TinyGltf draco_skin(int joint_type, const std::vector<float>& joints) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(1);

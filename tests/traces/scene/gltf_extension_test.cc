@@ -6,7 +6,7 @@
 #include "traces/scene/images.h"
 #include "traces/scene/lights.h"
 
-// Materials made from the KHR_materials_* extensions and alphaMode.
+// Tests of materials that are read from KHR_materials_* extensions and alphaMode.
 
 namespace test {
 namespace {

@@ -8,8 +8,8 @@
 #include "tests/traces/scene/gltf_mutants.h"
 #include "tests/traces/scene/gltf_seeds.h"
 
-// Small files with random changes, equal in every run: each becomes a scene or is refused with an InputError of one
-// line, quickly and within the memory limit.
+// Tests that small files with random changes become a scene or are refused with an InputError of one line, quickly and
+// within the memory limit. The changes are the same in every run.
 
 namespace test {
 namespace {

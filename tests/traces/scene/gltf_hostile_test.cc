@@ -4,7 +4,7 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/images.h"
 
-// Every file here is refused with one line that names the fault (refusal() checks the form), and nothing crashes.
+// Tests that every file here is refused with one line that names the fault; refusal() checks the form.
 
 namespace test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Nodes of a file and their hierarchy, which animations move.
+// Tests of a file's node hierarchy, which animations move.
 
 namespace test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "tests/traces/scene/gltf_seeds.h"
 
-// Which JSON types properties may have, and which properties are optional.
+// Tests of the JSON types that properties may have, and of optional properties.
 
 namespace test {
 namespace {
@@ -54,8 +54,8 @@ TEST(GltfTypes, RequiredPropertiesMustBeThere) {
               "materials[0].normalTexture.index is missing; allowed: 0 1 2 ...");
 }
 
-/// Replaces each value of the document, one at a time, by one of another type. Each error message must contain its
-/// path. A number in a list is reported with the path of the list.
+/// Replaces each value of the document, one at a time, by a value of another type. The error message must contain the
+/// path of the value; for a number in a list, the path of the list.
 void expect_types_checked(TinyGltf& file, json& value, const std::string& path) {
   for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
     const bool is_index = path.ends_with("nodes") || path.ends_with("children") || path.ends_with("joints");
@@ -63,7 +63,7 @@ void expect_types_checked(TinyGltf& file, json& value, const std::string& path) 
     expect_types_checked(file, value[i], element);
   }
   for (auto member = value.begin(); value.is_object() && member != value.end(); ++member) {
-    // Not read, or checked before types.
+    // Values that are not read, or are checked before types.
     if (member.key() == "fallback" || member.key() == "extensionsRequired") continue;
     expect_types_checked(file, *member, path.empty() ? member.key() : path + "." + member.key());
   }

@@ -5,7 +5,7 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/images.h"
 
-// Which textures a material uses, how they are read, and how they are placed on the mesh.
+// Tests of the textures of a material: how they are chosen, read, and placed on the mesh.
 
 namespace test {
 namespace {
@@ -14,7 +14,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-/// Returns a file with texture coordinates on the triangle, and a red and blue picture as texture 0.
+/// Returns a file whose triangle has texture coordinates, and whose texture 0 is a red and blue picture.
 TinyGltf textured() {
   const TempFolder folder;
   traces::write_png(folder.path() / "a.png", 2, 1, std::vector<std::uint8_t>{255, 0, 0, 0, 0, 255});

@@ -4,7 +4,7 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/gltf/source.h"
 
-// URIs of buffers and images: data: as in RFC 2397, and names of files.
+// Tests of URIs of buffers and images: data: URIs as in RFC 2397, and file names.
 
 namespace test {
 namespace {

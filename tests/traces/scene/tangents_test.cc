@@ -6,7 +6,8 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/normals_tangents.h"
 
-// Expected tangents follow from Mikkelsen's rule and glTF's conventions: v grows downwards, the normal map's y upwards.
+// Tests of tangents. Expected ones follow from Mikkelsen's rule and glTF's conventions: v grows downwards, the normal
+// map's y upwards.
 
 namespace test {
 namespace {
@@ -84,8 +85,8 @@ TEST(Tangents, SplitVerticesWhereTheTextureIsMirrored) {
   }
 }
 
-/// Vertices of two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0)
-/// in the first and along (1, -1) in the second.
+/// Corners of two triangles that share the origin, with angles there of 90 and 45 degrees. Texture coordinate u
+/// increases along (1, 0) in the first and along (1, -1) in the second.
 constexpr std::array<glm::vec2, 4> kFanAt{{{0, 0}, {1, 0}, {0, 1}, {-1, 1}}};
 constexpr std::array<glm::vec2, 4> kFanUvs{{{0, 0}, {1, 0}, {0, -1}, {-1, 0}}};
 /// The tangent that is expected: 90 (1, 0) + 45 (1, -1) / sqrt(2), normalised.

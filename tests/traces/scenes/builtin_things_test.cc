@@ -26,7 +26,7 @@ std::uint32_t class_of(std::string_view name) {
   return 0;
 }
 
-/// Returns the number of triangles of a scene as a fraction of the wanted number.
+/// Returns the number of triangles of a scene as a fraction of the requested number.
 double share_of(std::string_view name, std::uint32_t wanted) {
   const Scene scene = traces::build_scene(name, {.triangles = wanted});
   return static_cast<double>(traces::count_triangles(scene)) / wanted;

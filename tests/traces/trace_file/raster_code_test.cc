@@ -4,7 +4,7 @@
 
 #include "tests/traces/trace_file/tiny_tile.h"
 
-// Encoding of a rasteriser's work.
+// Tests of encoding a rasteriser's work.
 
 namespace traces {
 namespace {
@@ -23,7 +23,7 @@ TEST(RasterCode, RestoresABatchAndAWave) {
   TileWork back;
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
-  // Again, with the storage of an earlier tile.
+  // Decodes again into the storage of an earlier tile.
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
 }

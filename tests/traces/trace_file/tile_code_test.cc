@@ -11,7 +11,8 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/bytes.h"
 
-// Encoding of a tile's work is lossless and compact, and no bytes decode to a tile that a machine cannot execute.
+// Tests that the encoding of a tile's work is lossless and compact, and that no bytes decode to a tile that a machine
+// cannot execute.
 
 namespace traces {
 namespace {

@@ -12,8 +12,8 @@
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
-// The trace file: tiles can be read in any order, damage is refused with one line, and files appear complete or not at
-// all.
+// Tests of trace files: tiles can be read in any order, damage is refused with one line, and files appear complete or
+// not at all.
 
 namespace traces {
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/accel/build.h"
 
-// The tree of a trace is stored without loss, and no bytes decode to an invalid tree.
+// Tests that the tree of a trace is stored without loss, and that no bytes decode to an invalid tree.
 
 namespace traces {
 namespace {
@@ -99,7 +99,7 @@ std::size_t nodes_below(const TileScope& scope, std::uint32_t node, bool upper, 
   return nodes;
 }
 
-/// True if walks, restarts and prefetches can rely on the tree.
+/// True if the tree is valid for traversals, restarts and prefetches.
 bool is_sound(const TileScope& scope) {
   std::vector<int> entered(scope.counts.instances, 0);
   bool sound = true;

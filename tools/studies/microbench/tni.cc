@@ -140,7 +140,7 @@ struct EqualRays {
   void note_returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 
-/// Testbench of a T&I unit whose caches always hit: sends identical rays and receives their results.
+/// Test harness for a T&I unit whose caches always hit: sends identical rays and receives their results.
 class TniHarness {
  public:
   TniHarness(const hw::GpuConfig& config, std::uint32_t triangle_bytes, const StraightRay& ray)
@@ -218,7 +218,7 @@ constexpr std::uint32_t kLeaves = 4000;
 constexpr std::array kExits = {ExitPhase::kDistance, ExitPhase::kBarycentric, ExitPhase::kHit};
 constexpr std::array kExitNames = {"distance", "barycentric", "hit"};
 
-/// Testbench of an intersection unit whose cache always hits: a source sends identical leaves.
+/// Test harness for an intersection unit whose cache always hits: a source sends identical leaves.
 class IstHarness {
  public:
   IstHarness(const RunConfig& config, const Leaf& leaf, std::uint32_t leaves)

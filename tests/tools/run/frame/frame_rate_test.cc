@@ -13,7 +13,7 @@
 #include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/power.h"
 
-// Power at a frame rate in closed form.
+// Tests of the power at a target frame rate, against closed forms.
 
 namespace tools {
 namespace {
@@ -26,7 +26,7 @@ RunConfig config_with(std::vector<std::string> sets) {
 
 constexpr double kPicojoulesPerJoule = 1e12;
 
-/// Energy of one block of the chip, in J.
+/// Returns energies with one block of the chip, in J.
 sim::EnergyReport joules_of(const char* block, double dynamic, double leakage) {
   const auto band = [](double j) {
     return sim::Band{j * kPicojoulesPerJoule / 2, j * kPicojoulesPerJoule, j * kPicojoulesPerJoule * 2};
@@ -98,7 +98,7 @@ TEST(IdlePower, OfAMachineThatOnlyWaitsIsTheEnergyOfAnIdleMachine) {
   const RunConfig config = config_with({"power.idle=clocked"});
   std::vector<sim::UnitReport> units = idle_units(*config.gpu);
   std::erase_if(units, [](const sim::UnitReport& unit) { return unit.block == "dram"; });
-  // One microsecond in which every unit of the chip is idle, as a machine without work would count it.
+  // Counts of one microsecond in which every unit of the chip is idle.
   for (sim::UnitReport& unit : units) {
     for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
       if (unit.reasons[i].kind != sim::ReasonKind::kIdle) continue;

@@ -88,7 +88,7 @@ TEST(FrontEnd, AFailureInAThreadIsThrownByNext) {
   }
 }
 
-/// A frame program with tiles as the test defines them.
+/// A frame program whose tiles a test defines.
 class MadeUp final : public kernels::FrameProgram {
  public:
   using Run = std::function<void(std::uint32_t tile_index, kernels::TileResult& out)>;
@@ -163,7 +163,7 @@ TEST(FrontEnd, AFailedAllocationInAThreadIsThrownByNext) {
     const rlimit tight{pages * static_cast<rlim_t>(::getpagesize()) + (8U << 20), before.rlim_max};
     setrlimit(RLIMIT_AS, &tight);
   };
-  // All slots reserve room for the longest tile so far.
+  // All slots reserve memory for the longest tile so far.
   MadeUp program(
       100,
       [](std::uint32_t tile_index, kernels::TileResult& out) { out.work.walk.resize(tile_index == 0 ? 16U << 20 : 0); },

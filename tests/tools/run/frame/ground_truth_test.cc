@@ -23,7 +23,7 @@ tools::Inputs small_cornell() {
   return tools::load_inputs(options);
 }
 
-/// Returns the only EXR file of a cache.
+/// Returns the only EXR file in a cache folder of reference pictures.
 fs::path picture_in(const fs::path& cache) {
   for (const auto& entry : fs::directory_iterator(cache)) {
     if (entry.path().extension() == ".exr") return entry.path();

@@ -4,7 +4,7 @@
 
 #include "tools/run/frame/run_job.h"
 
-// Estimates of a run's time: steps, and the use of a rate.
+// Tests of estimating the host time of a run: traversal steps, and a measured rate.
 
 namespace tools {
 namespace {

@@ -11,7 +11,8 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/table_warnings.h"
 
-// The tables of each process are those of 14 nm times factors, and the factors follow the rule of docs/processes.md.
+// Tests that the tables of each process are those of 14 nm times factors, and that the factors follow the rule of
+// docs/processes.md.
 
 namespace tools {
 namespace {
@@ -23,13 +24,13 @@ RunConfig of_process(const std::string& process, const std::vector<std::string>&
   return load_run_config(options);
 }
 
-/// A process and what is known of it.
+/// A semiconductor process and its published properties.
 struct Process {
   const char* name;
   double nm;
-  double volt, sram_volt;  ///< of the default machine's clocks, and of its arrays
+  double volt, sram_volt;  ///< voltages of the default machine's clocks and of its arrays
   double cell_um2;
-  double foundry;  ///< power at equal speed over that of 14 nm, by the foundry's announcements
+  double foundry;  ///< power at equal speed relative to 14 nm, as announced by the foundry
   sim::Band logic_area, array_area;
 };
 constexpr double kCell14 = 0.064;
@@ -47,7 +48,7 @@ const Process kProcesses[] = {
      {0.31 / 1.84 / 1.7, kAt5Logic / 1.6, 0.4 / 1.5 / 1.3},
      {0.311, 0.328, 0.43}}};
 
-/// Energy of a gate at a voltage by Stillmaker & Baas 2017 (high-performance models), in their own unit.
+/// Returns a gate's energy at a voltage in the unit of Stillmaker & Baas 2017 (high-performance models).
 double gate_energy(double nm, double volt) {
   struct Fit {
     double nm, a, b, c;
@@ -57,7 +58,8 @@ double gate_energy(double nm, double volt) {
                            {14, 0.2363, -0.09675, 0.02239},
                            {7, 0.1776, -0.09097, 0.02447}};
   const auto at = [&](const Fit& f) { return f.a * volt * volt + f.b * volt + f.c; };
-  if (nm < 7) return at(kFits[3]) * std::sqrt(nm / 7);  // beyond the paper: as the root of the feature
+  if (nm < 7)
+    return at(kFits[3]) * std::sqrt(nm / 7);  // not in the paper: proportional to the root of the feature size
   for (std::size_t i = 0; i < std::size(kFits); ++i) {
     if (kFits[i].nm == nm) return at(kFits[i]);
     if (kFits[i].nm > nm) continue;
@@ -68,7 +70,7 @@ double gate_energy(double nm, double volt) {
   return 0;
 }
 
-/// Capacitance of a gate over that at 14 nm: 0.45 from 45 to 14 nm, a power of the feature.
+/// Returns the capacitance of a gate relative to 14 nm: a power of the feature size that gives 0.45 from 45 to 14 nm.
 double gate_capacitance(double nm) { return std::pow(nm / 14, std::log(0.45) / std::log(14.0 / 45)); }
 
 sim::Band logic_factor(const Process& p) {
@@ -88,7 +90,7 @@ sim::Band wire_factor(const Process& p) {
   return {at(p.logic_area.low), at(p.logic_area.nominal), at(p.logic_area.high)};
 }
 
-/// A committed factor has three digits.
+/// Rounds to three digits, as factors in the tables are.
 void expect_rule(const sim::Band& figure, const sim::Band& at_14nm, const sim::Band& rule, const std::string& of) {
   const auto near = [&](double sim::Band::*side) {
     EXPECT_NEAR(figure.*side / (at_14nm.*side) / (rule.*side), 1, 0.006) << of;
@@ -122,7 +124,7 @@ TEST(Processes, EnergiesFollowTheRule) {
   }
 }
 
-/// All entries of a kind have one factor, to the last digit.
+/// Expects that all entries of a kind have exactly one factor.
 TEST(Processes, EntriesOfAKindHaveOneFactor) {
   const RunConfig base = of_process("14nm");
   for (const Process& p : kProcesses) {

@@ -7,7 +7,7 @@
 #include "tools/run/frame/machine_run.h"
 #include "traces/trace_file/tree_links.h"
 
-// One recording, several simulations.
+// Tests of replicates, which simulate one recording several times.
 
 namespace tools {
 namespace {

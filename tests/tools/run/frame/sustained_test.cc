@@ -7,13 +7,13 @@
 
 #include "tools/run/frame/thermal_governor.h"
 
-// The run over minutes, on frames made by hand.
+// Tests of sustained runs over minutes, on frames made by hand.
 
 namespace tools {
 namespace {
 
-/// A frame of 10 ms at full clock; energy is proportional to the square of the clock, as if voltage were proportional
-/// to it.
+/// Returns a frame of 10 ms at full clock. Its energy is proportional to the square of the clock, as if voltage were
+/// proportional to clock.
 std::vector<SustainStep> steps(double watt, double leakage_w, std::uint32_t count = 7) {
   sim::ThermalConfig thermal;
   thermal.steps = count;
@@ -91,7 +91,7 @@ TEST(Sustain, OfAHotMachineEndsInABoundedCycleAtItsLimit) {
     EXPECT_LT(run.stability(), 0.95) << watt;
     EXPECT_LT(run.sustained_fps, run.first_fps) << watt;
     EXPECT_LT(run.hottest.body, s.thermal.body_limit + 0.1) << watt;
-    // The second half hour's loops lie in a narrow band below the limit.
+    // In the second half hour the body temperatures of all loops are close together, just below the limit.
     const auto later = std::ranges::subrange(run.loops.begin() + 30, run.loops.end());
     const auto [coolest, hottest] =
         std::ranges::minmax(later, {}, [](const SustainLoop& l) { return l.temperatures.body; });

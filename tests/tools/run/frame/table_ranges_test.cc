@@ -17,12 +17,12 @@
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/table_warnings.h"
 
-// Machines drawn at the ends of their keys' ranges: each figure outside a table is a warning.
+// Tests that each value outside a table causes a warning, on random machines at the ends of their keys' ranges.
 
 namespace tools {
 namespace {
 
-/// Smallest and largest size of the points of an entry, "cache.l1_read" or "tni"; entries without sizes have none.
+/// Smallest and largest size in a table entry, "cache.l1_read" or "tni". Empty for entries without sizes.
 struct Range {
   std::uint64_t least = 0, most = 0;
 };
@@ -44,7 +44,7 @@ bool is_outside(const std::map<std::string, Range>& ranges, const std::string& n
   return found != ranges.end() && (value < found->second.least || value > found->second.most);
 }
 
-/// Returns a text for each extrapolated figure that a warning must contain.
+/// Returns, for each extrapolated value, a text that a warning must contain.
 std::vector<std::string> expected_texts(const RunConfig& config) {
   std::vector<std::string> out;
   const auto events = ranges_of(config.energy.events, sim::byte_units());
@@ -117,7 +117,7 @@ TEST(TableRanges, AreNeverLeftWithoutAWarning) {
   EXPECT_GT(outside, 200U) << "the draws reach the ends";
 }
 
-/// Arrays from 1 KiB to 16 MiB and clocks to 1.5 GHz are inside every table.
+/// Tests that arrays from 1 KiB to 16 MiB and clocks up to 1.5 GHz are inside every table.
 TEST(TableRanges, CoverArraysFrom1KibTo16MibAndClocksTo1500Mhz) {
   for (const char* process : {"28nm", "14nm", "7nm", "5nm", "3nm"}) {
     JobOptions options;
@@ -135,7 +135,7 @@ TEST(TableRanges, CoverArraysFrom1KibTo16MibAndClocksTo1500Mhz) {
   }
 }
 
-/// Energy, area and time of an array rise with its size at every point.
+/// Tests that energy, area and access time of an array grow with its size.
 TEST(TableRanges, RiseWithSize) {
   const RunConfig config = load_run_config({});
   for (const auto* table : {&config.energy.events, &config.area.arrays, &config.latency.arrays}) {

@@ -14,7 +14,7 @@
 #include "tools/sampling/tile_sampling.h"
 #include "traces/trace_file/trace_writer.h"
 
-// Frames that begin with the caches as the frame before left them.
+// Tests of frames that begin with the caches as the previous frame left them.
 
 namespace tools {
 namespace {
@@ -24,7 +24,7 @@ JobOptions options_of(const std::string& scene, const std::string& program = "fu
   options.scene = scene;
   options.program = program;
   options.resolution = "128x64";
-  // The L2 holds a good part of the scene. A small one is full of the last tiles' lines, which the first tiles do not
+  // The default L2 holds much of the scene. A small one is full of the last tiles' lines, which the first tiles do not
   // read.
   options.sets = {"frame.start=warm", "render.tile=16", "l2.size=1 MiB"};
   options.threads = 1;
@@ -33,10 +33,10 @@ JobOptions options_of(const std::string& scene, const std::string& program = "fu
 
 hw::test::Outcome machine_outcome(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
 
-/// Lines that the L2 fetches from memory. Cycles of such a small frame are mostly noise.
+/// Returns the lines that the L2 fetches from memory. Cycles of such a small frame are mostly noise.
 std::uint64_t fills_of(const FrameResult& s) { return machine_outcome(s).sum("bank", "fills"); }
 
-/// Fills of each frame of a run.
+/// Returns the number of L2 fills of each frame of a run.
 std::vector<double> fills_of_frames(JobOptions options, const std::string& frames) {
   options.frames = frames;
   Inputs inputs = load_inputs(options);

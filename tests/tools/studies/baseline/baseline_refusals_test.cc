@@ -6,12 +6,12 @@
 
 #include "tests/tools/studies/baseline/baseline_suite.h"
 
-// Suites and stored values that cannot be used or compared.
+// Tests of suites and stored values that cannot be used or compared.
 
 namespace test {
 namespace {
 
-/// Expects exit code 2 and one line of error, after lines on the runs.
+/// Expects exit code 2 and one line of error that follows the lines on the runs.
 void expect_not_comparable(const Ending& ending, const Words& parts) {
   EXPECT_EQ(ending.exit, 2) << ending.out;
   for (const std::string& part : parts) EXPECT_SAYS(ending.err, part);

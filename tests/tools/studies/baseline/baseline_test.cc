@@ -8,7 +8,7 @@
 #include "tests/full_size.h"
 #include "tests/tools/studies/baseline/baseline_suite.h"
 
-// A suite of small runs, its stored values, and the output after a change.
+// Tests of `raywatt baseline`: a suite of small runs, its stored values, and the output after a change.
 
 namespace test {
 namespace {
@@ -53,13 +53,13 @@ TEST(Baseline, RecordDoesNotReplaceStoredValues) {
   expect_refusal(suite.baseline("record"), {"suite.baseline.yaml", "accept", "--force"});
 }
 
-/// A change of one cycle, or of the smallest step of its unit.
+/// A change of the machine by one cycle, or by the smallest step of the key.
 struct Latency {
-  const char* change;  ///< a line of the machine's file
+  const char* change;  ///< line to add to the machine's configuration
   const char* key;
   const char *was, *is;
-  const char* located;  ///< by the counters alone
-  const char* unit;     ///< by the key
+  const char* located;  ///< unit located from counters alone
+  const char* unit;     ///< unit located by the changed key
 };
 
 constexpr Latency kLatencies[] = {
@@ -79,7 +79,7 @@ constexpr Latency kLatencies[] = {
      "interconnect"},
     {"dram: {fabric: 52 ns}", "dram.fabric", "50 ns", "52 ns", "path between L2 and memory", "dram.channel"}};
 
-/// Returns all latencies at full size, otherwise one of each unit.
+/// Returns changes of all latencies at full size, otherwise one of each unit.
 std::vector<Latency> changed_latencies() {
   std::vector<Latency> out;
   for (const Latency& l : kLatencies) {
@@ -108,7 +108,7 @@ TEST(Baseline, CountersNameTheUnitIfNoKeyChanged) {
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
   for (const Latency& l : changed_latencies()) {
-    // A changed model: other values for the stored configuration.
+    // Imitates a changed model: the stored configuration now gives other values.
     suite.machine(l.change);
     suite.write_values(replaced(text, fmt::format("  {}: {}\n", l.key, l.was), fmt::format("  {}: {}\n", l.key, l.is)));
     const Ending ending = suite.baseline("check");
@@ -174,7 +174,7 @@ TEST(Baseline, PassesWithinATolerance) {
 }
 
 TEST(Baseline, WithReplicatesOnlyChangesBeyondNoiseFail) {
-  // A machine of several cores, whose cycles depend on the start of a core.
+  // A machine of several cores, whose cycle count depends on when each core starts.
   BaselineSuite suite;
   const auto machine = [&](const std::string& change) {
     suite.folder().write("cores.yaml", "extends: sgrt-2016\n" + change);

@@ -7,7 +7,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/studies/baseline/check.h"
 
-// The unit that a key of the configuration belongs to.
+// Tests of finding the unit that a configuration key belongs to.
 
 namespace tools {
 namespace {

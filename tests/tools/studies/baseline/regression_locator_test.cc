@@ -6,12 +6,12 @@
 #include "tools/run/frame/run_job.h"
 #include "tools/studies/baseline/check.h"
 
-// Locating the changed unit from the counters of two runs.
+// Tests of locating the changed unit from the counters of two runs.
 
 namespace tools {
 namespace {
 
-/// The values of a machine whose units ran for 1000 cycles.
+/// Returns report values of a machine whose units ran for 1000 cycles.
 Values machine() {
   Values v = {{"totals.cycles", 1000}};
   for (const char* unit : {"core.tni.trv", "core.srp", "l2.bank", "dram.channel"}) {
@@ -47,7 +47,7 @@ TEST(RegressionLocator, FallsBackToTheWaitingUnitNearestToMemory) {
   EXPECT_EQ(locate_regression(was, is)->unit, "core.tni.trv");
 }
 
-/// The values of a machine whose L2 read 100 lines: 60 cycles each in the memory, 20 on the path.
+/// Returns report values of a machine whose L2 read 100 lines, with 60 cycles each in memory and 20 on the path.
 Values machine_with_reads() {
   Values v = machine();
   v["units.l2.bank.counters.fills"] = 100;
@@ -67,7 +67,7 @@ TEST(RegressionLocator, NamesThePathIfMissesTookLongerThanTheNextLevel) {
 }
 
 TEST(RegressionLocator, NamesNoPathIfTheNextLevelServedOtherUnits) {
-  // 300 reads of the DMA, 60 cycles each, are not waited for by the L2: 8100 - 24000 has no meaning.
+  // The L2 does not wait for 300 reads of the DMA, 60 cycles each, so the difference 8100 - 24000 has no meaning.
   Values was = machine_with_reads(), is = machine_with_reads();
   is["units.l2.bank.counters.line_cycles"] = 8100;
   is["units.dram.channel.counters.reads"] = 400;

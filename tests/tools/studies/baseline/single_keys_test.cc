@@ -18,7 +18,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/studies/baseline/check.h"
 
-// One key of the default machine is changed at a time, and the check names its unit first.
+// Tests that after a change of one key of the default machine the check names the key's unit first.
 
 namespace test {
 namespace {
@@ -26,7 +26,7 @@ namespace {
 using sim::FieldInfo;
 using sim::FieldKind;
 
-/// Number of changes, and of those that must be named.
+/// Number of changes to test, and of those that must be named.
 const std::uint64_t kChanges = full_or(40U, 10U), kLeastNamed = full_or(36U, 9U);
 
 struct Change {
@@ -34,7 +34,7 @@ struct Change {
   std::string value;
 };
 
-/// Returns other values for a field: double and half of a number, the next name of a list.
+/// Returns other values for a field: double or half of a number, the next name of a list.
 std::vector<std::string> other_values(const FieldInfo& field) {
   if (field.kind == FieldKind::kBool) return {field.value == "true" ? "false" : "true"};
   if (field.kind == FieldKind::kEnum) {
@@ -67,7 +67,7 @@ std::optional<Change> change_of(const FieldInfo& field) {
   return {};
 }
 
-/// Draws changes by hash: a group of keys, then one of its keys, each key once.
+/// Returns random changes. Each is drawn as a group of keys and then one of its keys; no key is drawn twice.
 std::vector<Change> drawn_changes() {
   tools::JobOptions options;
   options.scene = "cornell";
@@ -153,7 +153,7 @@ TEST(SingleKey, IsNamedWithItsUnitFirst) {
     const Ending ending = suite.run("check");
     const std::string line = first_named(ending.out, keys);
     const std::string unit = tools::unit_of_key(change.field.path);
-    const bool is_refusal = ending.exit == 2;  // other work: the key is all there is to say
+    const bool is_refusal = ending.exit == 2;  // other rays are rendered, so only the key can be named
     const bool is_right = line.find(change.field.path + " was ") != std::string::npos &&
                           (is_refusal || unit.empty() || line.find("in " + unit + ":") != std::string::npos);
     named += is_right ? 1 : 0;

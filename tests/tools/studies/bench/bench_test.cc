@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 
-// raywatt bench, alone and against another build.
+// Tests of `raywatt bench`, alone and compared with another build.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ Words bench(const Words& more) {
   return words;
 }
 
-/// Returns the JSON of `raywatt bench` with these words.
+/// Returns the JSON output of `raywatt bench` with these arguments.
 nlohmann::json json_of(Words words) {
   words.emplace_back("--json");
   const Ending ending = raywatt(words);
@@ -68,7 +68,7 @@ TEST(Bench, RefusesAMissingSceneWithOneLine) {
   expect_refusal(raywatt(bench({"--scene", "teapott"})), {"teapott", "did you mean 'teapot'"});
 }
 
-/// Saved figures of a build: one scene, each figure `value`.
+/// Returns saved metrics of a build: one scene, each metric with value `value`.
 nlohmann::ordered_json saved(double value, const std::string& scene = "teapot") {
   nlohmann::ordered_json metrics = {{"scene", scene}};
   for (const tools::BenchMetric& metric : tools::bench_metrics()) metrics[metric.name] = value;

@@ -7,7 +7,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/compare/compare_harness.h"
 
-// Differences of runs and their noise.
+// Tests of differences between runs and their noise.
 
 namespace test {
 namespace {
@@ -34,7 +34,7 @@ TEST_F(Runs, UseTheLargerNoiseIfOneHasReplicates) {
   const Json one = Json::parse(raywatt({"compare", noisy, path("ports"), "--json"}).out);
   const Json noise = one["against"][0]["figures"]["cycles"]["noise"];
   EXPECT_EQ(noise["from"], "default");
-  // The mean of four replicates, and one replicate with the same deviation.
+  // Noise of the mean of four replicates, and of one replicate with the same deviation.
   EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
   EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out, "or of one run's replicates if larger; --replicates 5");
   const std::string tripled = changed("tripled.json", [](Json& report) {
@@ -83,7 +83,8 @@ TEST_F(Runs, UseTheirReplicatesIfBothHaveThem) {
   EXPECT_EQ(noise(far)["outside"], true);
   EXPECT_EQ(noise(far)["from"], "replicates");
   EXPECT_NEAR(noise(far)["difference"].get<double>(), 0.01, 1e-12);
-  EXPECT_NEAR(noise(far)["half_width"].get<double>(), 2.306004 * std::sqrt(8.0 / 5) / 1000, 1e-8);  // eight degrees
+  EXPECT_NEAR(noise(far)["half_width"].get<double>(), 2.306004 * std::sqrt(8.0 / 5) / 1000,
+              1e-8);  // Student's t with eight degrees of freedom
   EXPECT_SAYS(raywatt({"compare", a, far}).out, "mean +1.00 % ± 0.29 %, outside");
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out,
               "The difference itself is within run-to-run noise.")

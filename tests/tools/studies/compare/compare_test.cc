@@ -11,7 +11,7 @@
 #include "tests/tools/studies/compare/compare_harness.h"
 #include "tools/analysis/report_file.h"
 
-// Comparisons of runs: what changed, and the counters that explain it.
+// Tests of `raywatt compare`: metrics that changed, and the counters that explain them.
 
 namespace test {
 namespace {

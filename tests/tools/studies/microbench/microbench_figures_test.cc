@@ -5,7 +5,8 @@
 
 #include "tests/tools/program.h"
 
-// raywatt microbench: measurements equal their closed forms, and some closed forms equal values computed by hand.
+// Tests that measurements of `raywatt microbench` equal their formulas, and that some formulas equal values computed by
+// hand.
 
 namespace test {
 namespace {

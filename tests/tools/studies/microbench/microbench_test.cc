@@ -5,7 +5,7 @@
 
 #include "tests/tools/program.h"
 
-// raywatt microbench: parts of the machine alone.
+// Tests of the command `raywatt microbench`.
 
 namespace test {
 namespace {

@@ -10,7 +10,7 @@
 #include "tools/host/build_info.h"
 #include "tools/studies/optimise/search_run.h"
 
-// raywatt optimise.
+// Tests of `raywatt optimise`.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// 24 points; the search simulates 10 of them.
+/// A search over 24 points that simulates 10 of them.
 const std::string kAxes =
     "axes: {cores: [1, 2], tni.trvs: [1, 2, 4], tni.trv.rays: [8, 16], clocks.tni: [300 MHz, 500 MHz]}\n";
 const std::string kSearch = kAxes + "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 10\nbatch: 4\n";

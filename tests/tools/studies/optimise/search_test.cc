@@ -13,7 +13,8 @@
 #include "tests/full_size.h"
 #include "tools/studies/sweep/spec/plan.h"
 
-// Fronts found in spaces of 1,024 points with a tenth of the evaluations, compared with the true fronts.
+// Tests of the search on spaces of 1,024 points: fronts found with a tenth of the evaluations are compared with the
+// true fronts.
 
 namespace test {
 namespace {
@@ -23,7 +24,7 @@ using namespace tools::optimise;
 constexpr std::size_t kBudget = 102, kFirst = 20, kBatch = 8;
 const Goal kMin = {Goal::Kind::kMin, "f", 0, ""}, kMax = {Goal::Kind::kMax, "f", 0, ""};
 
-/// A synthetic space: metrics of a point whose axes are from 0 to 1.
+/// A synthetic space: functions that compute the metrics of a point, whose axes range from 0 to 1.
 struct MadeUp {
   std::vector<AxisShape> axes;
   std::vector<Goal> goals;
@@ -42,7 +43,7 @@ struct MadeUp {
   }
   Search search(std::uint64_t seed) const { return Search({axes, is_wanted}, goals, {.seed = seed}); }
 
-  /// Returns the scores of points that meet the constraints.
+  /// Returns the metrics of all points that meet the constraints.
   std::vector<Score> scores(const std::vector<Choice>& choices) const {
     Search judge = search(0);
     for (const Choice& choice : choices) judge.add_result(choice, metrics(choice));
@@ -52,7 +53,7 @@ struct MadeUp {
   }
 };
 
-/// Returns the points of a search in order.
+/// Runs a search and returns its points in order of evaluation.
 std::vector<Choice> search_run(const MadeUp& space, std::uint64_t seed, std::size_t budget = kBudget) {
   Search search = space.search(seed);
   std::vector<Choice> all;
@@ -66,7 +67,7 @@ std::vector<Choice> search_run(const MadeUp& space, std::uint64_t seed, std::siz
   return all;
 }
 
-/// Returns the hypervolume as a share of that of the true front, measured from the worst corner.
+/// Returns the hypervolume of the points as a share of that of the true front. Reference point: the worst corner.
 double share(const MadeUp& space, const std::vector<Choice>& choices) {
   const std::vector<Score> all = space.scores(space.points());
   Score corner = all.front();
@@ -79,7 +80,7 @@ double share(const MadeUp& space, const std::vector<Choice>& choices) {
   return size(space.scores(choices)) / size(all);
 }
 
-/// Returns the median share of five seeds at full size, or the share of one.
+/// Returns this share as the median of five seeds at full size, otherwise of one seed.
 double found(const MadeUp& space) {
   std::vector<double> shares;
   for (std::uint64_t seed = 1; seed <= full_or(5U, 1U); ++seed) {
@@ -94,7 +95,7 @@ double found(const MadeUp& space) {
 
 std::vector<AxisShape> fours(std::size_t axes) { return std::vector<AxisShape>(axes, {4, true}); }
 
-/// Throughput and power of a machine: cores, units, cache, clock, second cache.
+/// Synthetic throughput and power of a machine over five axes: cores, units, cache, clock, second cache.
 std::vector<double> machine(const std::vector<double>& x) {
   const double cores = std::exp2(3 * x[0]), units = 1 + 3 * x[1], cache = std::exp2(3 * x[2]), clock = 200 + 600 * x[3];
   const double miss = 0.3 / std::sqrt(cache), miss2 = 0.5 / std::exp2(1.5 * x[4]);
@@ -106,8 +107,8 @@ std::vector<double> machine(const std::vector<double>& x) {
 
 const MadeUp kMachine = {fours(5), {kMax, kMin}, machine};
 
-/// Hollow, bulging and broken fronts: ZDT 1 to 3 (Zitzler, Deb and Thiele, Comparison of Multiobjective Evolutionary
-/// Algorithms, 2000).
+/// Concave, convex and disconnected fronts: ZDT 1 to 3 (Zitzler, Deb and Thiele, Comparison of Multiobjective
+/// Evolutionary Algorithms, 2000).
 MadeUp zdt(int number, std::vector<AxisShape> axes) {
   return {std::move(axes), {kMin, kMin}, [number](const std::vector<double>& x) {
             double g = 1;
@@ -138,12 +139,12 @@ TEST(Search, FindsAFrontUnderNoise) {
 }
 
 TEST(Search, DoesNotChaseNoise) {
-  // A hill over two axes; the third axis has only noise. Without errors the search mistakes noise for height and stays
-  // lower on the hill.
+  // A hill over two axes; the third axis has only noise. If the errors are unknown, the search mistakes noise for
+  // height and stays lower on the hill.
   const auto below_the_top = [](const Choice& c) {
     return 0.25 * ((c[0] - 4.0) * (c[0] - 4.0) + (c[1] - 4.0) * (c[1] - 4.0)) / 16;
   };
-  const double size = 0.1, error = size / std::sqrt(6.0);  // of the sum of two uniform draws
+  const double size = 0.1, error = size / std::sqrt(6.0);  // standard deviation of the sum of two uniform draws
   const auto noise = [&](const Choice& c, std::uint64_t seed) {
     return size * (sim::unit_float(sim::hash(seed, c[0], c[1], c[2])) +
                    sim::unit_float(sim::hash(seed, c[2], c[1], c[0])) - 1);
@@ -250,7 +251,7 @@ TEST(Search, AvoidsRegionsWhereSimulationsFail) {
   std::size_t asked = 0, in_vain = 0;
   while (asked < kBudget) {
     for (const Choice& choice : search.propose_points(asked == 0 ? kFirst : kBatch)) {
-      const bool fails = choice[0] >= 2;  // half of the space, and the half with the greatest throughput
+      const bool fails = choice[0] >= 2;  // in half of the space, with the greatest throughput
       search.add_result(choice, fails ? std::nullopt : std::optional(kMachine.metrics(choice)));
       asked += 1;
       in_vain += fails ? 1 : 0;
@@ -307,8 +308,8 @@ struct SmallestMachine {
                          2e-5 * fps * (1 + 3 * miss * miss2);
     return {area, fps, power};
   }
-  /// Returns in how many of ten searches of 40 points the area is within 2 % of the smallest feasible one. The limit of
-  /// the frame rate is set so that `first_feasible` of the first points are feasible.
+  /// Returns the number of searches, out of ten with 40 points each, that find an area within 2 % of the smallest
+  /// feasible one. The limit of the frame rate is set so that `first_feasible` of the first points are feasible.
   static int found(std::size_t first_feasible) {
     constexpr double kError = 0.09, kMostPower = 1.2;
     int good = 0;
@@ -359,7 +360,7 @@ TEST(Search, FindsTheSmallestMachineFromOneFeasiblePoint) { EXPECT_GE(SmallestMa
 TEST(Search, FindsTheSmallestMachineFromSeveralFeasiblePoints) { EXPECT_GE(SmallestMachine::found(3), 9); }
 
 TEST(Search, FindsAFrontOfOnePoint) {
-  // Two objectives and a limit that one of the first points meets, so that the range of feasible scores is empty.
+  // Two objectives, and a limit that only one of the first points meets, so that the feasible range is a single value.
   MadeUp limited = kMachine;
   limited.f = [](const std::vector<double>& x) {
     std::vector<double> metrics = machine(x);

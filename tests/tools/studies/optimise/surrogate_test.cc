@@ -7,7 +7,7 @@
 
 #include "sim/hash.h"
 
-// Metrics estimated from some of their values.
+// Tests of the surrogate model, which estimates a metric from some of its values.
 
 namespace test {
 namespace {
@@ -16,7 +16,7 @@ using namespace tools::optimise;
 
 const std::vector<AxisShape> kLine = {{21, true}};
 
-/// Returns f at every `step`-th of the 21 points.
+/// Returns the values of f at every `step`-th of the 21 points.
 Surrogate::Values sampled(const std::function<double(double)>& f, std::uint32_t step) {
   Surrogate::Values values;
   for (std::uint32_t i = 0; i < 21; i += step) values[{i}] = f(i);
@@ -51,7 +51,7 @@ TEST(GaussianProcess, TreatsPseudoObservationsAsObserved) {
 }
 
 TEST(GaussianProcess, SmoothsValuesWithErrors) {
-  // A wave around 3: exact values are followed; with errors as large as the wave it may be only noise.
+  // A wave around 3. The model follows exact values; with errors as large as the wave it assumes noise.
   std::vector<Observation> sure, blurred;
   for (std::uint32_t i = 0; i < 21; i += 2) {
     const double value = 3 + std::sin(0.5 * i);
@@ -105,7 +105,7 @@ TEST(GaussianProcess, CoversTheTruthInNineteenOfTwentyIntervals) {
     };
     const double error = 0.3 * std::array{0.2, 1.0, 3.0}[seed % 3];
     const auto point = [](std::size_t i) {
-      const auto n = static_cast<std::uint32_t>(i * 251 % 625);  // all of them, in another order
+      const auto n = static_cast<std::uint32_t>(i * 251 % 625);  // all points, in another order
       return Choice{n % 5, n / 5 % 5, n / 25 % 5, n / 125};
     };
     std::vector<Observation> seen;

@@ -11,7 +11,7 @@ namespace {
 
 using namespace tools::pages;
 
-/// Two tiles of 8 pixels in a picture of 16x5, the second of them in two passes.
+/// Returns the table of two tiles of side 8 in a picture of 16x5. The second tile has two passes.
 tools::TileFrame frame() {
   tools::TileFrame out;
   const auto add = [&](const char* name, std::vector<double> values) {

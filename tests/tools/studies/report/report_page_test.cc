@@ -11,7 +11,7 @@
 #include "tests/tools/program.h"
 #include "tools/studies/report/report.h"
 
-// The data in pages, and what `raywatt report` refuses. tests/page has the tests of what is shown.
+// Tests of the data in pages, and of errors of `raywatt report`. tests/page has the tests of what pages show.
 
 namespace test {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-/// Two small runs and a sweep, made once, and scripts that do nothing.
+/// Test inputs, made once: two small runs, a sweep, and page scripts that do nothing.
 class Pages : public testing::Test {
  protected:
   static void SetUpTestSuite() {

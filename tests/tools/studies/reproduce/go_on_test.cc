@@ -6,7 +6,7 @@
 
 #include "tests/tools/program.h"
 
-// An interrupted `raywatt reproduce`: its results, and how it continues.
+// Tests of an interrupted `raywatt reproduce`: its results, and how it continues.
 
 namespace test {
 namespace {
@@ -19,7 +19,7 @@ Words small_hybrid(const fs::path& out, const Words& more = {}) {
   return words;
 }
 
-/// Interrupts experiments of small size after their start.
+/// Tests that interrupt small experiments after their start.
 Ending begun(const fs::path& out) {
   Program program({"reproduce", "hybrid", "--threads", "1", "-o", out.string()});
   EXPECT_TRUE(program.wait_for_complaint());
@@ -29,17 +29,17 @@ Ending begun(const fs::path& out) {
 
 class GoOn : public testing::Test {
  protected:
-  /// Leaves results as after an interrupt before the last rows.
+  /// Writes partial results, as an interrupt before the last rows would leave them.
   void interrupt_late() {
     ASSERT_EQ(raywatt(small_hybrid(out)).exit, 0);
     whole = results();
     nlohmann::ordered_json part = whole;
     part["partial"] = true;
     for (int i = 0; i < 3; ++i) part["rows"].erase(part["rows"].size() - 1);
-    part["rows"][0]["measured"] = 77;  // what no run measures
+    part["rows"][0]["measured"] = 77;  // values that no run measures
     std::ofstream(out / "reproduce.json") << part.dump(2);
   }
-  /// Starts or continues, and sends a signal after the first rows are written.
+  /// Starts or continues a run, and sends it a signal after the first rows are written.
   Ending lee2016_until(int signal) const {
     const bool is_anew = !fs::exists(out);
     const auto before = is_anew ? fs::file_time_type::min() : fs::last_write_time(out / "reproduce.json");

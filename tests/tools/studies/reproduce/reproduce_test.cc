@@ -13,7 +13,7 @@
 #include "tools/studies/reproduce/plan.h"
 #include "tools/studies/reproduce/runner.h"
 
-// `raywatt reproduce`: measured and published values of experiments.
+// Tests of `raywatt reproduce`, which compares measured with published values.
 
 namespace test {
 namespace {
@@ -64,7 +64,7 @@ TEST_P(EachPaper, HasANumberForEveryMetricOfASmallPicture) {
   }
 }
 
-/// Without the full size, only the paper whose quick run is shortest.
+/// Returns all papers at full size, otherwise the one whose quick run is shortest.
 TEST_P(EachPaper, HasANumberForEveryRowOfAQuickRun) {
   if (!is_full_size() && GetParam().name != "hybrid") GTEST_SKIP() << "tools/validate full";
   const TempFolder folder;

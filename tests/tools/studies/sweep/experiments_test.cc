@@ -4,7 +4,7 @@
 #include "tools/host/build_info.h"
 #include "tools/studies/sweep/launch/compute.h"
 
-// The experiments that come with the program.
+// Tests of the sweeps in configs/experiments.
 
 namespace test {
 namespace {

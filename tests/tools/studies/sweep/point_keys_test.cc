@@ -6,7 +6,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/studies/sweep/spec/point.h"
 
-// What a point's results depend on, however many points came before it.
+// Tests that the id of a point does not depend on the points before it.
 
 namespace test {
 namespace {

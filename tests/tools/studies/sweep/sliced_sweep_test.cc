@@ -11,7 +11,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/studies/sweep/store/store.h"
 
-// Points of a sweep that are computed slice by slice.
+// Tests of sweeps whose points are computed slice by slice.
 
 namespace test {
 namespace {
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using tools::sweep::Point;
 using tools::sweep::Store;
 
-/// Two machines, each of whose frames of 256 tiles is cut into four.
+/// Writes a sweep of two machines. Their frames of 256 tiles are split into four slices.
 constexpr const char* kTwo =
     "schema: raywatt-sweep/1\nresolution: 64x64\nsets: [render.tile=4]\nslices: 4\naxes: {cores: [1, 2]}\n";
 constexpr std::size_t kPoints = 2, kSlices = 4;
@@ -52,7 +52,7 @@ struct SlicedSweep : testing::Test {
   }
 };
 
-/// The table of the sweep with nothing in its way.
+/// Returns the table of the sweep after an undisturbed run.
 const std::string& undisturbed() {
   static const std::string table = [] {
     const TempFolder folder;
@@ -133,7 +133,7 @@ TEST_F(SlicedSweep, KilledAgainAndAgainItEndsWithTheSameTable) {
   for (int round = 0; round < 20 && kills < 4; ++round) {
     Program program(sweep_run(folder, folder.write("sweep.yaml", kTwo), {"-j", "2"}));
     EXPECT_TRUE(wait_until([&] { return program.ended() || points_in(store.root()) > before; }));
-    program.send(SIGKILL);  // workers end with it
+    program.send(SIGKILL);  // its workers end with it
     kills += program.wait().exit == 128 + SIGKILL;
     EXPECT_GE(points_in(store.root()), before) << "nothing is lost";
     before = points_in(store.root());

@@ -2,14 +2,14 @@
 
 #include "tools/studies/sweep/launch/slurm.h"
 
-// How points are shared out among the tasks of a job array.
+// Tests of how points are distributed to the tasks of a job array.
 
 namespace tools::sweep {
 namespace {
 
 using Lines = std::vector<std::string>;
 
-/// Points named a, b, c ... whose recorded work is named by the letters of `streams`; '-' is none.
+/// Returns points named a, b, c, ... The letters of `streams` name the recorded work that each uses; '-' is none.
 Lines lines_of(const std::string& streams, std::uint64_t chunk) {
   std::vector<Point> points(streams.size());
   std::vector<const Point*> pointers;

@@ -6,8 +6,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Conversation with Slurm's commands. The commands here are made up; tests/slurm has the
-// real ones.
+// Tests of calling Slurm's commands, with shell scripts in their place. tests/slurm tests the real commands.
 
 namespace test {
 namespace {
@@ -20,7 +19,7 @@ struct SlurmWords : testing::Test {
   TempFolder folder;
   fs::path out = folder.path() / "out";
 
-  /// A command that notes down its arguments, a line each, and runs these lines of shell.
+  /// Writes a command that records its arguments, one line each, and then runs these lines of shell.
   void command(const std::string& name, const std::string& lines) {
     fs::create_directories(folder.path() / "bin");
     const fs::path file = folder.write("bin/" + name, "#!/bin/sh\nprintf '%s\\n' \"$@\" >>" +
@@ -29,7 +28,7 @@ struct SlurmWords : testing::Test {
   }
   std::string said_to(const std::string& name) { return read_bytes(folder.path() / (name + ".said")); }
 
-  /// A Slurm that takes everything and does nothing.
+  /// A fake Slurm that accepts every command and does nothing.
   void idle_slurm() {
     command("squeue", "");
     command("scontrol", "echo 'MaxArraySize            = 1001'");

@@ -7,7 +7,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Contents of a sweep's file, and the points that follow from it.
+// Tests of reading a sweep file, and of the points that it defines.
 
 namespace test {
 namespace {
@@ -75,7 +75,7 @@ TEST(SweepSpec, AnExclusionOfTwoAxesIsLookedAtWhereItsOtherTermsHold) {
   EXPECT_EQ(labels_of(points_of(axes + "  - {cores: '<= tni.trvs', tni.trvs: [2, 4]}\n")),
             (Words{"cores=1 tni.trvs=1", "cores=2 tni.trvs=1", "cores=4 tni.trvs=1", "cores=4 tni.trvs=2"}));
   EXPECT_EQ(points_of(axes + "  - {cores: tni.trvs}\n").size(), 6U);
-  // Comparisons that are refused are so whatever the terms behind them say.
+  // Invalid comparisons are refused, whatever the terms after them are.
   const std::string complaint = complaint_of(
       "axes: {cores: [1, 2], tni.trv.l1.size: [8 KiB], tni.trvs: [1]}\n"
       "exclude: [{cores: '< tni.trv.l1.size', tni.trvs: 7}]\n");
@@ -160,7 +160,7 @@ TEST(SweepSpec, RangesMayMixUnitsOfOneKind) {
 }
 
 TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
-  // Behind two lines that write_sweep() begins with.
+  // Line numbers follow two lines that write_sweep() writes first.
   const std::vector<std::pair<std::string, Words>> wrong = {
       {"axis: {cores: [1]}\n", {"sweep.yaml:3:1: axis: unknown key 'axis', did you mean 'axes'?"}},
       {"axes:\n  core: [1, 2]\n", {"sweep.yaml:4:9: axes.core: core: unknown key", "did you mean 'cores'?"}},

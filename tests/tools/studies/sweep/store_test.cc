@@ -10,7 +10,7 @@
 #include "sim/sha256.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Results by what they were made of: whole, or not there.
+// Tests of the result store: a result is complete or absent.
 
 namespace test {
 namespace {
@@ -94,7 +94,7 @@ TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) 
   const auto lock = store.lock_point(living);
   for (const std::string& name : {id, living}) {
     for (const std::string& left :
-         {"." + name + ".123-0.raywatt-tmp", name + ".host.1"}) {  // the latter of old versions
+         {"." + name + ".123-0.raywatt-tmp", name + ".host.1"}) {  // as older versions wrote it
       sim::make_folders(store.root() / "tmp" / left);
       std::ofstream(store.root() / "tmp" / left / "report.json") << "{";
     }

@@ -4,7 +4,7 @@
 #include "tools/studies/sweep/launch/compute.h"
 #include "tools/studies/sweep/launch/launcher.h"
 
-// Points that differ in the machine alone share their recorded work.
+// Tests that points which differ only in the machine share their recorded work.
 
 namespace test {
 namespace {

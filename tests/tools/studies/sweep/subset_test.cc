@@ -6,7 +6,7 @@
 #include "sim/error.h"
 #include "tools/studies/sweep/spec/plan.h"
 
-// Which combinations a sweep takes when it does not take all.
+// Tests of the combinations that a sweep simulates if it does not simulate all.
 
 namespace test {
 namespace {
@@ -23,7 +23,7 @@ std::vector<Choice> chosen(Subset::Kind kind, std::uint64_t count, std::uint64_t
   return tools::sweep::choose_combinations({kind, count, seed}, kAxisSizes, is_wanted);
 }
 
-/// How often each value of an axis was drawn.
+/// Counts how often each value of an axis was drawn.
 std::vector<int> counts_of(const std::vector<Choice>& choices, std::size_t axis) {
   std::vector<int> counts(kAxisSizes[axis]);
   for (const Choice& choice : choices) counts.at(choice.at(axis)) += 1;

@@ -8,7 +8,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Faults that a sweep survives.
+// Tests of faults that a sweep survives.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr const char* kTwelve = "axes: {cores: [1, 2], tni.trvs: [1, 2, 4], tni.trv.rays: [8, 16]}\n";
 constexpr std::size_t kTwelvePoints = 12;
 
-/// The processes that this one has started.
+/// Returns the child processes of a process.
 std::vector<pid_t> children_of(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/task/" + std::to_string(process) + "/children");
   std::vector<pid_t> children;
@@ -30,7 +30,7 @@ struct SweepFaults : testing::Test {
   TempFolder folder;
   fs::path out = folder.path() / "out", store = folder.path() / "store";
 
-  /// results.csv of the same sweep, in a store of its own, with nothing in its way.
+  /// Returns results.csv of the same sweep after an undisturbed run with its own store.
   std::string undisturbed(const std::string& lines) {
     const TempFolder other;
     EXPECT_EQ(raywatt(sweep_run(other, write_sweep(other, lines))).exit, 0);
@@ -173,7 +173,7 @@ TEST_F(SweepFaults, AWorkerThatSomebodyKillsIsTriedAgain) {
   expect_nothing_left_over();
 }
 
-/// A file system of that size, as long as the test.
+/// A file system of limited size that exists during a test.
 class SmallDisk {
  public:
   explicit SmallDisk(fs::path path) : path_(std::move(path)) {

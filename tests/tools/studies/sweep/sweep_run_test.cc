@@ -8,7 +8,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Sweeps as people run them.
+// Tests of running sweeps from the command line.
 
 namespace test {
 namespace {

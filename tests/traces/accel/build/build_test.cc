@@ -271,7 +271,7 @@ TEST(MemoryImage, RefusesAMeshWithInvalidReferences) {
 }
 
 #ifndef RAYWATT_SANITIZED  // sanitizers would end the process
-/// Limits the process to 8 MiB of new memory from the first call on.
+/// Limits the process to 8 MiB of additional memory after the first call.
 bool limit_memory() {
   static const bool is_done = [] {
     std::uint64_t pages = 0;

@@ -55,7 +55,7 @@ TEST(MipChain, ATexelIsTheMeanOfTheFourThatItCovers) {
   EXPECT_EQ(chain.at(1).texels, std::vector<std::uint32_t>{0x60081428U});
 }
 
-/// Three texels in a row have equal weights; of five, each half covers 2.5.
+/// Three texels in a row are averaged with equal weights. Of five texels, each half covers 2.5.
 TEST(MipChain, OddSidesCountTexelsByHowMuchOfThemIsCovered) {
   EXPECT_EQ(mip_chain(linear_texture(3, 1, {30, 60, 120})).at(1).texels, std::vector<std::uint32_t>{70});
   const std::vector<std::uint32_t> halves = mip_chain(linear_texture(5, 1, {100, 50, 200, 10, 20})).at(1).texels;
@@ -89,7 +89,8 @@ TEST(MipChain, OneColourStaysThatColourInEveryLevel) {
   }
 }
 
-/// Returns a flagged triangle with half of a texture of 16 x 16 and one of 3 x 1; a white texture is added.
+/// Returns a scene with a flagged triangle that shows half of a 16 x 16 and of a 3 x 1 texture, and an unused white
+/// texture.
 Scene textured_triangle() {
   Scene scene = one_triangle();
   scene.meshes[0].uvs = {{0, 0}, {4, 0}, {0, 4}};
@@ -117,7 +118,8 @@ TEST(MipMaps, EveryLevelFollowsTheOneOfTwiceItsSize) {
   EXPECT_EQ(image.details[0].emission_texture, kNoTexture);
   EXPECT_EQ(image.materials[1].base_texture, kNoTexture);
   EXPECT_EQ(image.white, 7U);
-  // Tiles of 4 x 4 texels: 16, 4, 1, 1, 1 lines; 1 and 1; 1.
+  // Lines per level, for tiles of 4 x 4 texels: 16, 4, 1, 1, 1 of the first texture; 1, 1 of the second; 1 of the
+  // third.
   EXPECT_EQ(image.layout.textures[1].base - image.layout.textures[0].base, 16U * 64);
   EXPECT_EQ(image.layout.textures[5].base - image.layout.textures[1].base, 7U * 64);
   EXPECT_EQ(image.layout.end - image.layout.textures[5].base, 3U * 64);

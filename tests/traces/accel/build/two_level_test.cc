@@ -25,7 +25,7 @@ namespace {
 
 constexpr BvhConfig kLevels{.instances = InstanceLevels::kTwoLevel};
 
-/// Returns rays at the scene from the largest distance that instance boxes are padded for.
+/// Returns rays towards the scene from the largest distance for which instance boxes are padded.
 std::vector<Ray> far_rays(const MemoryImage& image, std::uint32_t count) {
   Dice dice(12);
   std::vector<Ray> rays(count);
@@ -189,7 +189,7 @@ TEST(TwoLevels, MeshesThatDeformOrCannotBeInvertedHaveTheirOwnTree) {
 }
 
 TEST(FlatInstances, HaveFiniteRecordsInTreesOfOneAndTwoLevels) {
-  // Matrices without inverse: to a plane, a line, a point, and a plane whose determinant is not 0 only because of
+  // Matrices without inverse: to a plane, a line, a point, and to a plane with a determinant that is not 0 because of
   // rounding.
   const glm::mat4 turn = glm::rotate(glm::mat4(1), 0.7F, glm::vec3(1, 2, 3));
   const glm::mat4 flat[] = {glm::scale(glm::mat4(1), {1, 1, 0}), glm::scale(glm::mat4(1), {0, 2, 0}),
@@ -233,7 +233,7 @@ TEST(TwoLevels, HybridNumbersAreRefused) {
   EXPECT_THROW(sim::check_config(config), sim::InputError);
 }
 
-/// Returns the scene with all instances moved, and one mesh in another shape.
+/// Returns the scene with all instances moved and one mesh deformed.
 Scene moved(Scene scene, float by) {
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     scene.instances[i].to_world[3].x += by * static_cast<float>(i % 5);

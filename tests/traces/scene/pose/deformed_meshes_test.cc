@@ -6,7 +6,7 @@
 #include "tests/traces/scene/pose/moving_scene.h"
 #include "traces/scene/pose.h"
 
-// Meshes that skins and morph targets deform.
+// Tests of meshes that skins and morph targets deform.
 
 namespace traces {
 namespace {

@@ -9,12 +9,12 @@
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 #include "tools/studies/sweep/results/figure_noise.h"
 
-// raywatt sweep best
+// Tests of `raywatt sweep best`.
 
 namespace test {
 namespace {
 
-/// Cycles of 300, 100, 100 and 200.
+/// A sweep of four points with cycles of 300, 100, 100 and 200.
 struct FourSizes : MadeSweep {
   FourSizes() {
     for (const double cycles : {300, 100, 100, 200}) finish(add({{"cores", std::to_string(size++)}}), cycles);
@@ -35,7 +35,7 @@ TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
               "most cycles of 2 points that meet --where: point 1 (and 1 more with the same value)\n");
 }
 
-/// A report of a picture of 1024x512 with three plays.
+/// Returns the report of a run of 1024x512 pixels with three replicates.
 nlohmann::ordered_json replicated_report(double mean, double deviation) {
   nlohmann::ordered_json report = made_report(mean);
   report["resolution"] = {1024, 512};
@@ -45,7 +45,7 @@ nlohmann::ordered_json replicated_report(double mean, double deviation) {
   return report;
 }
 
-/// Machines of one and two cores, each with caches of two sizes; cores are worth 20 %, caches half a percent.
+/// A sweep of one and two cores with two cache sizes. The number of cores changes cycles by 20 %, the cache by 0.5 %.
 struct CoresAndCaches : MadeSweep {
   explicit CoresAndCaches(double deviation) {
     const double cycles[] = {1200, 1206, 1000, 1005};

@@ -13,7 +13,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 
-// From point folders to results.csv and index.sqlite.
+// Tests of collecting points into results.csv and index.sqlite.
 
 namespace test {
 namespace {
@@ -35,7 +35,7 @@ StatusCounts counts(std::size_t done, std::size_t failed, std::size_t missing, s
 }
 void expect_counts(const Collected& is, const StatusCounts& wanted) { EXPECT_EQ(is.counts, wanted); }
 
-/// Three points; one is done.
+/// A sweep of three points; one is done.
 struct Three : MadeSweep {
   Three() {
     for (const char* size : {"4 KiB", "8 KiB", "16 KiB"}) add({{"l1.size", size}});

@@ -4,14 +4,14 @@
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 #include "tools/studies/sweep/results/results.h"
 
-// --where
+// Tests of conditions, as in `raywatt sweep table --where`.
 
 namespace test {
 namespace {
 
 using tools::results::Results;
 
-/// Points 0 to 3: sizes of 4, 8, 16 and 32 KiB, cycles of 400, 300, 200 and none.
+/// A sweep of points 0 to 3 with sizes of 4, 8, 16 and 32 KiB and cycles of 400, 300, 200 and none.
 struct FourKinds : MadeSweep {
   FourKinds() {
     const char* kinds[] = {"none", "2", "rau", "4"};

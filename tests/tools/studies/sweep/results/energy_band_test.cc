@@ -8,14 +8,14 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/studies/sweep/results/best.h"
 
-// Sweeps under draws of their energy tables.
+// Tests of sweeps whose points are priced by random draws of the energy tables.
 
 namespace test {
 namespace {
 
 using namespace tools::results;
 
-/// A sweep of four points, run.
+/// A simulated sweep of four points.
 struct BandOfASweep : testing::Test {
   BandOfASweep() {
     const auto file = write_sweep(folder, "axes: {cores: [1, 2], tni.trv.l1.size: [8 KiB, 32 KiB]}\n");
@@ -57,7 +57,7 @@ TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
   const BandedMetric per_joule = band.price_metric(results.column("perf.frames_per_joule_gpu"), true);
   const tools::results::Column low = results.column("energy_mj.low"), nominal = results.column("energy_mj.nominal"),
                                high = results.column("energy_mj.high");
-  const auto ratio = [&](const tools::results::Column& mj) {  // frames per joule: the other way round
+  const auto ratio = [&](const tools::results::Column& mj) {  // for frames per joule low and high are exchanged
     return magnitude_of(mj.values[per_joule.rows[0]])->value / magnitude_of(mj.values[per_joule.rows[2]])->value;
   };
   EXPECT_EQ(per_joule.ratio_text(2, 0),

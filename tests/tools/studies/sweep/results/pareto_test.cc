@@ -8,7 +8,7 @@
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 #include "tools/studies/sweep/results/best.h"
 
-// raywatt sweep pareto
+// Tests of `raywatt sweep pareto`.
 
 namespace test {
 namespace {
@@ -17,7 +17,7 @@ using tools::results::Objective;
 using tools::results::ParetoFront;
 using tools::results::Results;
 
-/// Points with power and frames per second as given.
+/// A sweep whose points have given power and frame rate.
 struct Plane : MadeSweep {
   explicit Plane(const std::vector<std::pair<double, double>>& points) {
     for (const auto& [watts, fps] : points) {
@@ -104,7 +104,7 @@ TEST(Pareto, DrawsPointsThatAreAllAlike) {
   EXPECT_SAYS(pareto_text(sweep.results(), {"power_w.nominal", "fps", {}, false}, 10), "2 of 2 points");
 }
 
-/// Points of a picture of 1024x512: power without noise, as it is called here, and frames per second with it.
+/// A sweep of runs of 1024x512 pixels. The area has no noise; the frame rate has that of replicates, or the default.
 struct NoisyPlane : MadeSweep {
   NoisyPlane(const std::vector<std::pair<double, double>>& points, double deviation) {
     for (const auto& [mm2, fps] : points) {

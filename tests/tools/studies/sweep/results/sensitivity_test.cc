@@ -9,7 +9,7 @@
 #include "sim/hash.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 
-// raywatt sweep sensitivity
+// Tests of `raywatt sweep sensitivity`.
 
 namespace test {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using tools::results::Results;
 using tools::results::Sensitivity;
 
-/// A figure without noise.
+/// Path of a metric without noise.
 Sensitivity of_steps(const MadeSweep& sweep) {
   const Results results = sweep.results();
   return find_sensitivity(results, "traversal_steps", std::vector<bool>(results.rows().size(), true));
@@ -25,7 +25,7 @@ Sensitivity of_steps(const MadeSweep& sweep) {
 
 const std::vector<std::string> kSizes = {"4 KiB", "8 KiB", "16 KiB"}, kCores = {"1", "2"};
 
-/// cycles = 100 + 10 s + 30 c, s of 0, 1, 2 and c of 0, 1.
+/// A sweep with cycles = 100 + 10 s + 30 c, for sizes s = 0, 1, 2 and cores c = 0, 1.
 double sum(std::size_t s, std::size_t c) { return 100 + 10.0 * static_cast<double>(s) + 30.0 * static_cast<double>(c); }
 
 TEST(Sensitivity, OfASumIsThatOfItsTerms) {
@@ -61,7 +61,7 @@ TEST(Sensitivity, OfAnExclusiveOrIsOnlyTogether) {
 TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
   MadeSweep sweep;
   sweep.add_grid("size", kSizes, "cores", kCores, sum);
-  sweep.remove(5);  // the slowest: plain means of the others would make both axes look harmless
+  sweep.remove(5);  // the slowest point is missing; plain means of the others would hide the effect of both axes
   sweep.fail(5, "stuck");
   const Sensitivity s = of_steps(sweep);
   EXPECT_EQ(s.points, 5U);
@@ -73,7 +73,7 @@ TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
 }
 
 TEST(Sensitivity, SharesOfPointsThatAreNoGridComeToAllThatIsExplained) {
-  MadeSweep sweep;  // a corner of a grid, in which much of one goes with little of the other
+  MadeSweep sweep;  // part of a grid in which large values on one axis occur with small ones on the other
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t k = 0; i + k < 5; ++k) {
       const double value = 100 + 10.0 * static_cast<double>(i) + 12.0 * static_cast<double>(k);
@@ -103,7 +103,7 @@ TEST(Sensitivity, AxesThatMoveTogetherAreOne) {
 }
 
 TEST(Sensitivity, ValuesThatNoTwoPointsShareAreTakenTogether) {
-  MadeSweep sweep;  // as from a random subset of two wide ranges; the second has no effect
+  MadeSweep sweep;  // a random subset of two wide ranges; the second has no effect
   for (std::uint64_t i = 0; i < 100; ++i) {
     const std::uint64_t a = sim::hash(i, 1) % 100'000, b = sim::hash(i, 2) % 100'000;
     sweep.finish(sweep.add({{"a", std::to_string(a)}, {"b", std::to_string(b)}}), 1000 + static_cast<double>(a));
@@ -151,12 +151,12 @@ struct NoisyGrid : MadeSweep {
       }
     }
   }
-  /// Between -1 and 1.
+  /// Returns a random number between -1 and 1.
   static double draw(std::size_t s, std::size_t c) { return static_cast<double>(sim::hash(s, c, 5) % 2001) / 1000 - 1; }
 };
 
 TEST(Sensitivity, TakesOffWhatNoiseExplainsAndNamesIt) {
-  const NoisyGrid sweep(100, 87);  // deviation of a mean 50, as of an even distribution of +-87
+  const NoisyGrid sweep(100, 87);  // standard deviation of the mean: 50, as of a uniform distribution from -87 to 87
   const Results results = sweep.results();
   const Sensitivity s = find_sensitivity(results, "cycles", std::vector<bool>(results.rows().size(), true));
   ASSERT_EQ(s.effects[0].axis, "cores");

@@ -8,14 +8,14 @@
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 #include "tools/studies/sweep/results/results.h"
 
-// raywatt sweep table
+// Tests of `raywatt sweep table`.
 
 namespace test {
 namespace {
 
 using tools::results::TableOptions;
 
-/// Sizes in no order; the last point has failed.
+/// A sweep with sizes in random order, whose last point has failed.
 struct FourRows : MadeSweep {
   FourRows() {
     for (const char* size : {"16 KiB", "4 KiB", "1 MiB", "8 KiB"}) add({{"l1.size", size}, {"trvs", "4"}});
@@ -63,7 +63,7 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
               "totals.replicates.figures.cycles.high,totals.perf.fps");
 }
 
-/// Cells of a column of three points as people read them.
+/// Returns the printed cells of a column over three points.
 Words shown_fps(const std::array<double, 3>& values) {
   const FourRows sweep;
   for (std::size_t point = 0; point < values.size(); ++point) {
@@ -103,7 +103,7 @@ TEST(ResultsTable, ShowsWholeMeansInFourDigits) {
   EXPECT_SAYS(results_table(sweep.results(), {}), "  98.77 k ± ");
 }
 
-/// Points whose means of three replicates have another order than their replicates 0.
+/// A sweep whose order by the mean of three replicates differs from that by the first replicate.
 struct PlaysInAnotherOrder : FourRows {
   PlaysInAnotherOrder() {
     const double means[] = {1500, 3500, 2500};
@@ -244,7 +244,7 @@ TEST(ResultsTable, IsOfWhatWasLastCollectedWhereNothingCanBeWritten) {
   const std::string before = raywatt((sweep.write(), table)).out;
   sweep.finish(3, 4000);
   std::filesystem::remove(sweep.folder() / "results.csv");
-  std::filesystem::create_directory(sweep.folder() / "results.csv");  // in the way
+  std::filesystem::create_directory(sweep.folder() / "results.csv");  // blocks the output file
   const Ending ending = raywatt(table);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out, before);
