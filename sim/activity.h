@@ -84,15 +84,15 @@ class Activity {
   static constexpr std::size_t index_of(CycleReason reason) { return static_cast<std::size_t>(reason); }
 
   std::array<Time, kReasons> spent_{};
-  Time accounted_ = 0;  ///< end of the charged time; later cycles are charged to `then_`
+  Time accounted_ = 0;  ///< end of the unit's charged time; later cycles are charged to `then_`
   CycleReason then_{};
 };
 
 /// How a counter is combined when the results of two time spans are added.
 enum class CounterKind : std::uint8_t {
-  kSum,    ///< the values are added
-  kPeak,   ///< the larger value is used
-  kAtEnd,  ///< the values are added; the counter is computed only at the end of a run
+  kSum,    ///< the counter's values are added
+  kPeak,   ///< the counter is a maximum: the larger value is used
+  kAtEnd,  ///< like kSum, but the counter is computed only at the end of a run
 };
 
 }  // namespace sim

@@ -76,7 +76,7 @@ class Watchdog {
 
   Owner& owner_;
   Time livelock_timeout_ = kNever, progress_due_at_ = kNever;
-  Time next_check_at_ = kNever;  ///< time at which the next check is due
+  Time next_check_at_ = kNever;  ///< time at which the next periodic check is due
   std::uint64_t retired_ = 0;
 };
 

@@ -21,7 +21,7 @@ struct IoError : std::runtime_error {
 struct Deadlock : std::runtime_error {
   Deadlock(const std::string& what, std::string machine_state)
       : std::runtime_error(what), state(std::move(machine_state)) {}
-  std::string state;  ///< state of the units, one line each
+  std::string state;  ///< state of the machine's units as text, one line per unit
 };
 
 /// Callback that a long computation polls. If it returns true, the computation throws Cancelled.

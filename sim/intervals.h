@@ -21,7 +21,7 @@ class Intervals {
  public:
   static constexpr Time kFirstLength = 1'000 * kFemtosecondsPerNanosecond;
   static constexpr std::size_t kMost = 2048;
-  static constexpr std::size_t kMostValues = 8 << 20;  ///< maximum number of values in all rows together
+  static constexpr std::size_t kMostValues = 8 << 20;  ///< maximum number of recorded values in all rows together
 
   /// `length`: initial length of intervals. `max_intervals`: maximum number of intervals, which must be even; it is
   /// reduced if rows have many values.

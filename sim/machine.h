@@ -44,7 +44,7 @@ enum class Lookahead : std::uint8_t {
 class Machine {
  public:
   struct Declaration {
-    std::string name;  ///< "core0.tni.trv2"
+    std::string name;  ///< name of the unit: "core0.tni.trv2"
     Clock clock;
     std::size_t partition = 0;      ///< 0: the inner partition; others: outer (sim/partitions.h)
     std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
@@ -177,7 +177,7 @@ class Machine {
     virtual ~AnyUnit() = default;
     virtual bool idle() const = 0;
     virtual void finish(Time end) = 0;
-    virtual std::string state() const = 0;  ///< empty if the unit has no state
+    virtual std::string state() const = 0;  ///< state of the unit as text; empty if the unit reports none
     virtual std::uint64_t retired_items() const = 0;
     TickFunction tick;
     std::size_t declared = 0;
@@ -241,11 +241,11 @@ class Machine {
   std::vector<std::unique_ptr<AnyUnit>> units_;
   std::vector<ClusteredUnits> clusters_;
   std::vector<std::function<UnitReport()>> reports_;
-  std::vector<Values> values_;  ///< one entry per report
+  std::vector<Values> values_;  ///< functions that write values, one per report
   Intervals* intervals_ = nullptr;
   Time next_boundary_ = kNever;
   std::vector<std::size_t> slots_;            ///< index of each declared unit in the wake-up table
-  std::vector<TickFunction> tick_functions_;  ///< by index in the wake-up table
+  std::vector<TickFunction> tick_functions_;  ///< tick functions of the units, by index in the wake-up table
   WakeupTable wakeups_;
   Partitions partitions_;
   Time lookahead_ = kNever;

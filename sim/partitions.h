@@ -13,7 +13,7 @@ struct ClusterTurn;
 /// A cluster: units of one partition and one clock, which their owner ticks by direct calls instead of the engine. This
 /// is an optimisation. Results do not change, because an action at time t is not visible at time t.
 struct Cluster {
-  WakeupTable::Groups units;  ///< groups of the wake-up table with only these units
+  WakeupTable::Groups units;  ///< groups of the wake-up table that contain the cluster's units
   void* owner = nullptr;
   void (*run)(void* owner, const ClusterTurn& turn, Time now) = nullptr;
 };
@@ -29,7 +29,8 @@ struct Cluster {
 /// their pops free slots.
 /// 4. Results do not depend on the division into partitions.
 struct Partition {
-  WakeupTable::Groups units;      ///< groups of the wake-up table, without those of the cluster
+  WakeupTable::Groups units;      ///< groups of the wake-up table with the partition's units, without those of its
+                                  ///< cluster
   std::uint32_t nearly_full = 0;  ///< number of links to other partitions that one tick may fill
   Cluster cluster;
 };
@@ -46,7 +47,7 @@ struct ClusterTurn {
   std::span<Time> group_minima;  ///< minimum of each group of eight of these times, updated by the owner
   const Partition& partition;
   Time inner;                    ///< time that the inner partition has reached
-  Time end;                      ///< time before which the run ends
+  Time end;                      ///< time before which the cluster's run ends
   std::span<const Time> others;  ///< group minima of the wake-up times of the partition's other units
 
   /// True if the cluster may tick at time `at`: the partition may run to it, and none of its other units is due before.

@@ -29,24 +29,24 @@ inline constexpr std::string_view kOutsideBlock = "outside";
 
 /// A part that a unit's logic contains several times, such as a box tester. A configuration key sets the number.
 struct UnitPart {
-  std::string name;  ///< "box_tester"
+  std::string name;  ///< name of the part: "box_tester"
   std::uint32_t count = 0;
 };
 
 /// Results of one unit as plain data, so that reports, energy and comparisons do not depend on classes of units.
 struct UnitReport {
-  std::string path;                                                     ///< "core0.tni.trv2"
+  std::string path;                                                     ///< path of the unit: "core0.tni.trv2"
   std::string block;                                                    ///< block of the GPU for which energy and area
                                                                         ///< are summed
-  std::uint64_t elapsed = 0;                                            ///< cycles of the unit's own clock
+  std::uint64_t elapsed = 0;                                            ///< run time in cycles of the unit's clock
   std::vector<std::pair<std::string, std::uint64_t>> cycles_by_reason;  ///< cycles charged to each reason; the sum is
                                                                         ///< `elapsed`
-  std::span<const Reason> reasons;  ///< declaration of each reason in `cycles_by_reason`
+  std::span<const Reason> reasons;  ///< declarations of the reasons in `cycles_by_reason`
   std::vector<CounterReport> counters;
   std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
   std::uint64_t cache_bytes = 0;  ///< size of the memory array whose accesses are counted, for size-dependent energies
   std::uint32_t clock_mhz = 0;
-  std::type_index type = typeid(void);  ///< C++ type of the unit
+  std::type_index type = typeid(void);  ///< C++ class of the unit
   std::vector<UnitPart> parts;          ///< parts whose number determines the unit's area
   std::uint32_t data_lines = 0;         ///< number of data pins of the unit at the die's edge
 };

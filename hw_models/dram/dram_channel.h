@@ -188,9 +188,9 @@ class DramChannel {
   const std::uint32_t bursts_;
   const std::uint64_t line_bytes_;
   const Cycle fabric_;
-  const Cycle refresh_interval_;  ///< cycles between refreshes of a rank; 0: never
+  const Cycle refresh_interval_;  ///< cycles between two refreshes of a DRAM rank; 0: no refreshes
   const std::uint32_t refresh_cycles_;
-  const std::uint32_t exit_cycles_;  ///< cycles from the end of power-down to the first command
+  const std::uint32_t exit_cycles_;  ///< cycles from the end of power-down to the first DRAM command
   const sim::Clock clock_;
   const sim::Inputs<MemRequest> ports_in_;
   const std::vector<sim::Link<MemResponse>*> ports_out_;
@@ -201,12 +201,12 @@ class DramChannel {
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
-  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far, which selects the next rank
-  std::uint32_t to_refresh_;        ///< mask of the banks left to refresh in this refresh round
+  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far, which determines the rank to refresh next
+  std::uint32_t to_refresh_;        ///< mask of the banks that have not been refreshed in this refresh round
 
   Cycle data_end_ = 0;  ///< last cycle for which data are booked on the data bus
   bool is_down_ = false;
-  Cycle down_since_ = 0;    ///< cycle at which power-down began, if is_down_
+  Cycle down_since_ = 0;    ///< cycle at which power-down began, if `is_down_`
   Cycle down_counted_ = 0;  ///< cycle up to which power-down time has been counted
 
   DramQueue reads_, writes_;
@@ -214,13 +214,13 @@ class DramChannel {
   /// Capacity of the queue of read responses: twice the lines that a saturated data bus moves during the latency of
   /// device and fabric.
   std::size_t max_returns_;
-  sim::Time return_at_ = 0;  ///< earliest time of the next response
+  sim::Time return_at_ = 0;  ///< earliest time at which the channel can send its next response
   Arbiter ports_;
   bool draining_ = false;  ///< writes go before reads until the write queue is down to its low mark
   bool writing_ = false;   ///< the next command, `next_`, is for the write queue
   ScheduledCommand next_;
   bool next_is_stale_ = true;
-  Cycle reschedule_at_ = sim::kNever;  ///< next cycle at which a queue's oldest request exceeds the age limit
+  Cycle reschedule_at_ = sim::kNever;  ///< next cycle at which the oldest read or write exceeds the age limit
 
   Cycle accounted_until_ = 0;
   Stats stats_;

@@ -25,9 +25,9 @@ constexpr std::array<std::string_view, 3> names_of(DramMapping) {
 
 /// Order in which a memory controller refreshes the banks of a rank.
 enum class RefreshOrder : std::uint8_t {
-  kRoundRobin,  ///< always the next bank, the only order that LPDDR3 allows; a stream that cycles through the banks may
-                ///< repeatedly meet the bank in refresh
-  kIdleFirst,   ///< a bank without queued requests first, among the banks not yet refreshed in this round
+  kRoundRobin,  ///< bank after bank, the only order that LPDDR3 allows; a stream that cycles through the banks may then
+                ///< often meet the bank in refresh
+  kIdleFirst,   ///< first banks without queued requests, among the banks not yet refreshed in this round
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
@@ -40,7 +40,7 @@ constexpr std::array<std::string_view, 2> names_of(DramIdle) { return {"power_do
 
 /// How many banks one DRAM refresh command occupies.
 enum class RefreshKind : std::uint8_t {
-  kPerBank,  ///< one bank, or the pair that the device refreshes together; the other banks continue
+  kPerBank,  ///< one bank, or a pair of banks that are refreshed together; the other banks stay usable
   kAllBank,  ///< all banks of a rank; such refreshes are less frequent
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
@@ -49,14 +49,14 @@ constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_b
 enum class PagePolicy : std::uint8_t {
   kOpen,      ///< the row stays open until a request needs another row of the bank
   kClosed,    ///< the last queued hit of a row closes it (auto-precharge)
-  kAdaptive,  ///< a predictor per bank, based on the bank's earlier requests, decides whether the row stays open
+  kAdaptive,  ///< a predictor, trained by the bank's earlier requests, decides whether the row stays open
 };
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
 /// Scheduling policy of a memory controller: which of the queued reads, or of the queued writes, is served next.
 enum class DramSchedulingPolicy : std::uint8_t {
-  kFrFcfs,  ///< first ready, first come: the oldest request among those whose bank is ready
-  kFcfs,    ///< strictly the oldest request; other requests wait, even those for other banks
+  kFrFcfs,  ///< first ready, first come, first served: the oldest request among those whose bank is ready
+  kFcfs,    ///< first come, first served: always the oldest request, even if others could start earlier
 };
 constexpr std::array<std::string_view, 2> names_of(DramSchedulingPolicy) { return {"fr_fcfs", "fcfs"}; }
 

@@ -172,7 +172,7 @@ class CommandCalendar {
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = BankLanes::kMaxBanks;  ///< maximum over all ranks
+  static constexpr std::uint32_t kMaxBanks = BankLanes::kMaxBanks;  ///< maximum number of banks of a channel
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -287,11 +287,11 @@ class DramDevice {
 
   struct Rank {
     std::array<Cycle, 3> at{};                ///< earliest cycle of a read, write or activate in this rank, by DramOp
-    std::array<DramCycleReason, 3> reason{};  ///< timing constraint that determines each entry of `at`
+    std::array<DramCycleReason, 3> reason{};  ///< timing constraint that sets each earliest cycle in `at`
     /// For each of the last four activates, the cycle at which it leaves the tFAW window.
     std::array<Cycle, 4> four_activates{};
     std::uint32_t oldest_activate = 0;
-    Cycle active = 0;  ///< cycles with an open row in this rank before `active_since`
+    Cycle active = 0;  ///< number of cycles with an open row in this rank before `active_since`
     Cycle active_since = 0, active_until = 0;
 
     Cycle refreshed_at = 0;  ///< start of the rank's last per-bank refresh; 0: none yet
@@ -330,7 +330,8 @@ class DramDevice {
   std::array<std::uint32_t, kMaxBanks> rows_{};
   /// Earliest cycle of a read, write, activate and precharge in each bank, by DramOp.
   std::array<BankLanes, 4> bank_at_;
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< constraint that delays an activate of each closed bank
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< for each closed bank, reason why it cannot be activated
+                                                            ///< yet
   std::array<BankLanes, 2> group_at_;  ///< earliest read [0] and write [1] that the bank group allows, for each bank
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;

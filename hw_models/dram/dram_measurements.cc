@@ -103,9 +103,9 @@ class ChannelRunner : Observer {
   sim::Time wake_ = 0;
 
   std::size_t next_ = 0;
-  std::uint32_t waiting_ = 0;   ///< requests sent to the channel and not completed
-  std::size_t taken_ = 0;       ///< requests that the channel has accepted
-  std::size_t served_ = 0;      ///< requests whose data transfer is booked
+  std::uint32_t waiting_ = 0;   ///< number of requests sent to the DRAM channel and not completed
+  std::size_t taken_ = 0;       ///< number of requests that the DRAM channel has accepted
+  std::size_t served_ = 0;      ///< number of requests whose data transfer is booked
   sim::Ring<sim::Time> reads_;  ///< end times of the reads' data, in the order of their commands
   DramRun run_;
 };

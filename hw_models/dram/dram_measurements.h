@@ -85,9 +85,9 @@ struct DramRequest {
 /// Result of running a list of requests on a DRAM channel. Time 0 is the earliest time at which a request can reach the
 /// channel.
 struct DramRun {
-  std::vector<sim::Time> arrived;  ///< time at which each request arrived at the channel
-  std::vector<sim::Time> done;     ///< end of the data transfer of each request
-  sim::Time end = 0;               ///< end of the last data transfer
+  std::vector<sim::Time> arrived;  ///< time at which each request arrived at the DRAM channel
+  std::vector<sim::Time> done;     ///< time at which the data transfer of each request ended
+  sim::Time end = 0;               ///< time at which the last data transfer ended
   DramChannel::Stats stats;
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles for each DramCycleReason; the sum is `end`
 
@@ -103,12 +103,12 @@ struct DramMeasurement {
   /// How closely a measured and a predicted value must agree.
   enum class Agreement : std::uint8_t {
     kExactly,
-    kClosely,  ///< within 2 %
-    kNearly,   ///< measured / predicted is between 0.9 and 1.0
-    kAtMost,   ///< measured is at most 1.02 x the prediction, which ignores command bus conflicts and bank waits
+    kClosely,  ///< the measured value is within 2 % of the prediction
+    kNearly,   ///< the measured value is 0.9 to 1.0 times the prediction
+    kAtMost,   ///< the measured value is at most 1.02 times the prediction, which ignores bus conflicts and bank waits
   };
   std::string name;
-  std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
+  std::string unit;  ///< unit of both values: "ns", "GB/s", "pJ/bit" or "mW"
   double measured = 0;
   double expected = 0;
   Agreement agreement = Agreement::kExactly;

@@ -47,8 +47,8 @@ class ScheduledCommand {
 
 /// Masks of the DRAM banks for which a scheduling policy allows commands.
 struct EligibleBanks {
-  std::uint32_t all = 0;      ///< banks for which any command is allowed
-  std::uint32_t columns = 0;  ///< banks whose next command may be a read or write of the open row
+  std::uint32_t all = 0;      ///< mask of the banks for which the policy allows any command
+  std::uint32_t columns = 0;  ///< mask of the banks for which it allows a read or write of the open row
 };
 
 /// FR-FCFS (first ready, first come, first served; Rixner et al. 2000). A row hit may overtake older requests of its
@@ -134,9 +134,10 @@ class DramPagePolicy {
   }
 
   PagePolicy policy_;
-  std::uint32_t unproven_ = 0;  ///< mask of the banks whose next request updates the counter
+  std::uint32_t unproven_ = 0;  ///< mask of the banks whose predictor is updated by the next request
   std::array<std::uint32_t, 32> last_row_{};
-  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank: at least 2 predicts another row
+  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank; 2 or 3 predicts that the next request
+                                           ///< needs another row
 };
 
 }  // namespace hw

@@ -72,8 +72,10 @@ struct DramTerms : DramTiming {
 struct DramConstraint {
   DramScope scope;
   DramOp from, to;
-  std::int64_t (*cycles)(const DramTerms& t);         ///< minimum distance in cycles; may be negative for other ranks
-  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason to which cycles of this wait are charged
+  std::int64_t (*cycles)(const DramTerms& t);         ///< minimum distance of the two operations in cycles; may be
+                                                      ///< negative between ranks
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason to which cycles spent waiting for this constraint are
+                                                      ///< charged
   std::uint32_t count = 1;
 };
 

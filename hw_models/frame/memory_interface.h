@@ -32,7 +32,7 @@ class MemoryFifo {
   struct Shape {
     Addr base = 0;  ///< start address of the ring buffer, a multiple of the line size
     std::uint32_t record_bytes = 0, ring = 0, depth = 0;
-    std::uint16_t client = 0;  ///< client number of this queue at the core's port
+    std::uint16_t client = 0;  ///< client number of this FIFO at the core's port to memory
   };
   struct Links {
     sim::Link<Record>& in;
@@ -41,7 +41,8 @@ class MemoryFifo {
     sim::Link<MemResponse>& memory_in;
   };
   struct Counts {
-    std::uint64_t records = 0, written = 0, read = 0;  ///< `written` and `read` count whole and partial lines
+    std::uint64_t records = 0, written = 0, read = 0;  ///< `written` and `read`: number of lines, partial lines
+                                                       ///< included
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
@@ -159,8 +160,9 @@ class MemoryFifo {
 
   const Shape shape_;
   Links links_;
-  std::vector<Entry> records_;                      ///< records in the ring buffer; the simulated memory stores no data
-  std::vector<Chunk> chunks_;                       ///< sent read requests, in order
+  std::vector<Entry> records_;                      ///< contents of the ring buffer, because the simulated memory
+                                                    ///< stores no data
+  std::vector<Chunk> chunks_;                       ///< outstanding read requests, oldest first
   std::uint64_t first_ = 0, last_ = 0;              ///< numbers of the outstanding read requests: first_ to last_ - 1
   std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records accepted and delivered so far
   Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes written, requested and read back so far

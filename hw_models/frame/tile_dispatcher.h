@@ -113,11 +113,11 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
-  std::vector<sim::Time> start_at_;    ///< earliest time of each core's first tile
+  std::vector<sim::Time> start_at_;    ///< earliest time at which each core may get its first tile
   std::vector<std::uint8_t> written_;  ///< mask of each tile's borders that are in memory, by tile number
-  std::vector<Importer> importers_;    ///< dispatched tiles with missing imported borders, in dispatch order
+  std::vector<Importer> importers_;    ///< dispatched tiles that import borders not yet in memory, in dispatch order
   std::size_t turn_ = 0;
-  bool has_samples_ = false;    ///< a tile with samples was dispatched; geometry passes have none
+  bool has_samples_ = false;    ///< a tile with samples has been dispatched (geometry passes have none)
   bool is_later_pass_ = false;  ///< an `after_all` tile was dispatched after a tile with samples
   bool flushed_ = false;
   Stats stats_;

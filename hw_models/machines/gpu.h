@@ -35,8 +35,7 @@ ScheduledKernels schedule_kernels(const GpuConfig& config);
 /// cycles later, the DRAM fabric latency differs by one cycle, refreshes have another phase. The default is no change.
 /// Method: Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003.
 struct Perturbation {
-  std::vector<std::uint32_t> starts;  ///< for each core, the first cycle in which it may get a tile; empty: cycle 0 for
-                                      ///< all
+  std::vector<std::uint32_t> starts;  ///< cycles for which each core waits before its first tile; empty: 0
   DramPerturbation dram;
 };
 
@@ -45,9 +44,9 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 
 /// Contents of all caches of a GPU between two frames.
 struct CacheContents {
-  std::vector<CacheTags> first_level;  ///< core by core: TRVs, IST, data cache, rasteriser
-  std::vector<L2Store> l2;             ///< by bank
-  std::vector<L2Store> slc;            ///< by slice of the system cache; lines may be dirty
+  std::vector<CacheTags> first_level;  ///< first-level caches, core by core: TRVs, IST, data cache, rasteriser
+  std::vector<L2Store> l2;             ///< contents of each L2 bank
+  std::vector<L2Store> slc;            ///< contents of each slice of the system cache; lines may be dirty
 };
 
 /// The simulated GPU: cores, the memory system that they share, and the tile dispatcher.
@@ -125,7 +124,7 @@ class Gpu {
     sim::Link<TileDone>& tiles_out;
     Srp* srp = nullptr;
     Dma* dma = nullptr;
-    RasterUnit* raster = nullptr;  ///< null: the core has no rasteriser
+    RasterUnit* raster = nullptr;  ///< the core's rasteriser; null if there is none
   };
   /// Links for rays and hits between shader core and T&I unit: of the direct interface, or of each end to the memory
   /// interface.

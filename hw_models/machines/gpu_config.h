@@ -31,7 +31,7 @@ struct IdealConfig {
 
   struct Resource {
     const char* name;
-    const char* words;  ///< plural noun phrase for use in sentences
+    const char* words;  ///< name of the resource for use in sentences, a plural noun phrase
     bool IdealConfig::*member;
     const char* meaning;
   };

@@ -29,7 +29,7 @@ inline constexpr std::uint32_t kRequestDepth = 2;
 /// A core's ports are declared before its units, so that links can connect to them, and built after its units.
 class MemorySystem {
  public:
-  enum class Dma : bool { kNo, kYes };  ///< whether cores have DMA ports
+  enum class Dma : bool { kNo, kYes };  ///< selects whether cores have a DMA port
 
   /// `config` must outlive this object.
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
@@ -93,10 +93,10 @@ class MemorySystem {
   Observer* const observer_;
   const sim::Clock clock_;
   const std::uint32_t distance_, link_depth_;  ///< cycles and capacity of links from ports to banks and channels
-  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; `dma_ports_` is empty if cores have no DMA
+  std::vector<Port> cache_ports_, dma_ports_;  ///< ports of each core; `dma_ports_` is empty if cores have no DMA
   std::vector<Bank> declared_banks_;
-  std::vector<Bank> declared_slices_;     ///< by channel, or empty
-  std::vector<Source> declared_sources_;  ///< by channel, or empty
+  std::vector<Bank> declared_slices_;     ///< slices of the system cache, by DRAM channel, or empty
+  std::vector<Source> declared_sources_;  ///< background sources, by DRAM channel, or empty
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;
   std::vector<L2Bank*> banks_;

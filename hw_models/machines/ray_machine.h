@@ -100,7 +100,7 @@ class CoreRays {
   const std::uint32_t core_, cores_;
   const Finished finished_;
   std::uint32_t count_ = 0;
-  std::uint32_t first_ = 0;  ///< number of the first block in `blocks_`
+  std::uint32_t first_ = 0;  ///< number of the block at the front of `blocks_`
   std::deque<Block> blocks_;
   std::vector<Block> spare_;
   std::vector<traces::Hit> hit_;
@@ -109,7 +109,7 @@ class CoreRays {
 
 /// Progress of the traversal of a list of rays.
 struct RaysDone {
-  std::uint32_t blocks = 0;  ///< blocks of CoreRays::kBlock rays
+  std::uint32_t blocks = 0;  ///< number of finished blocks of CoreRays::kBlock rays
   std::uint64_t rays = 0, cycles = 0;
 };
 

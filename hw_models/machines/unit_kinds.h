@@ -23,7 +23,7 @@ namespace hw {
 
 /// Name and cycle reasons of one kind of unit, for code that works on unit reports instead of units.
 struct UnitKind {
-  std::string_view name;  ///< "core.tni.trv" for a unit "core0.tni.trv2"
+  std::string_view name;  ///< name of the kind: "core.tni.trv" for a unit "core0.tni.trv2"
   std::span<const sim::Reason> reasons;
 };
 

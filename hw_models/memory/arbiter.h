@@ -12,9 +12,9 @@ namespace hw {
 
 /// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
-  kRoundRobin,   ///< each requester in turn
-  kOldestFirst,  ///< the requester that has waited longest; the lowest number among equals
-  kFixed,        ///< always the ready requester with the lowest number, so high numbers can starve
+  kRoundRobin,   ///< round robin: each requester is served in turn
+  kOldestFirst,  ///< the requester that has waited longest is served, the lowest number among equals
+  kFixed,        ///< the ready requester with the lowest number is served, so others can starve
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 

@@ -75,7 +75,7 @@ class BackgroundSource {
   struct Place {
     std::uint32_t channel = 0, channels = 1;
     std::uint64_t line_bytes = kLineBytes;
-    std::uint64_t granule = kLineBytes;  ///< bytes of consecutive addresses in one channel
+    std::uint64_t granule = kLineBytes;  ///< number of consecutive bytes that are mapped to one channel
     std::uint64_t lines = 1 << 20;       ///< capacity of the channel in lines
   };
 

@@ -13,9 +13,9 @@ namespace hw {
 
 /// Replacement policy of a cache: which line of a full set a fill evicts.
 enum class Replacement : std::uint8_t {
-  kLru,     ///< the least recently used line
-  kPlru,    ///< pseudo-LRU: a tree of bits, each pointing away from the half used last
-  kRandom,  ///< a pseudo-random line, chosen by a hash
+  kLru,     ///< LRU: the least recently used line is evicted
+  kPlru,    ///< pseudo-LRU: a tree of bits, each pointing away from the half used last, selects the line
+  kRandom,  ///< a pseudo-random line, chosen by a hash, is evicted
 };
 constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru", "plru", "random"}; }
 

@@ -172,12 +172,12 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< ways of a set; ways rounded up to a multiple of four
-  std::size_t words_;            ///< number of words of a set in `sets_`
+  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up to a multiple of four
+  std::size_t words_;            ///< number of array elements per set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
-  std::vector<std::uint32_t> sets_;   ///< for each set its tags, then their times of last use
-  std::vector<std::uint64_t> trees_;  ///< pseudo-LRU tree of each set
+  std::vector<std::uint32_t> sets_;   ///< for each set, the tags of its ways, then the times of last use of its ways
+  std::vector<std::uint64_t> trees_;  ///< tree of pseudo-LRU bits of each set
   std::uint32_t clock_;
   std::uint64_t fills_ = 0;
 };

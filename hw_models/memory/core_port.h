@@ -84,7 +84,7 @@ class CorePort {
     std::vector<sim::Link<MemResponse>*> clients_out;
     std::vector<sim::Link<MemRequest>*> targets_out;
     std::vector<sim::Link<MemResponse>*> targets_in;
-    std::vector<RequesterKind> requesters;  ///< kind of each client; used only with an observer
+    std::vector<RequesterKind> requesters;  ///< kind of each client of the port; used only with an observer
     Observer* observer = nullptr;
   };
 
@@ -128,7 +128,7 @@ class CorePort {
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;
-  std::array<sim::Time, 9> carry_time_;  ///< time on the wires of a transfer, by its number of sectors
+  std::array<sim::Time, 9> carry_time_;  ///< time for which a transfer occupies the port's wires, by number of sectors
 
   Arbiter up_, down_;
   sim::Time request_wait_ = 0, line_wait_ = 0;

@@ -18,8 +18,8 @@ class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
-    kMiss,  ///< the slot now waits for the line, whose fill_line() will return the slot
-    kFull,  ///< no MSHR is free, so the slot must retry after a fill; no state has changed
+    kMiss,  ///< the line is not cached; the slot now waits until fill_line() returns it
+    kFull,  ///< the line is not cached and no MSHR is free; the slot must retry after a fill
   };
 
   /// An outstanding miss of a first-level cache.

@@ -89,9 +89,9 @@ class L2Store {
   }
 
   CacheTags tags_;
-  std::vector<SectorMask> valid_, dirty_;  ///< valid and dirty sectors of each slot
+  std::vector<SectorMask> valid_, dirty_;  ///< masks of the valid and of the dirty sectors of each cache slot
   std::size_t dirty_lines_ = 0;
-  std::size_t next_ = 0;  ///< slot at which clean_next_dirty_line() continues
+  std::size_t next_ = 0;  ///< slot at which the next search for a dirty line begins
 };
 
 /// One bank of the L2: accepts one request and returns one line per cycle.
@@ -173,7 +173,7 @@ class L2Bank {
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
-    sim::Link<Flush>* flush_in = nullptr;  ///< null if the bank is never flushed
+    sim::Link<Flush>* flush_in = nullptr;  ///< link for Flush messages; null if the bank is never flushed
     Observer* observer = nullptr;
   };
 
@@ -214,8 +214,8 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;    ///< dirty sectors of the line, to be merged with the fill
-    TileTag tile = kNoTile;  ///< tile whose request missed first
+    SectorMask dirty = 0;    ///< dirty sectors of the missing line, to be merged with the fill
+    TileTag tile = kNoTile;  ///< tile of the request that caused the miss
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {

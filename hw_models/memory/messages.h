@@ -36,11 +36,11 @@ enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
 
 /// A request to memory or the L2 to read or write one cache line, or some sectors of a line.
 struct MemRequest {
-  Addr line = 0;             ///< address of the line's first byte
+  Addr line = 0;             ///< address of the first byte of the requested line
   std::uint16_t source = 0;  ///< client number of the requester at the port, copied to the response
   std::uint16_t tag = 0;     ///< value chosen by the requester, copied to the response
   bool write = false;
-  SectorMask sectors = kWholeLine;  ///< sectors to be read or written
+  SectorMask sectors = kWholeLine;  ///< sectors of the line to be read or written
   TileTag tile = kNoTile;
 };
 

@@ -65,7 +65,7 @@ class MshrFile {
 
   static constexpr Addr kNone = ~Addr{0};  ///< marks unused entries of `lines_`; no line has this address
 
-  std::vector<Addr> lines_;  ///< outstanding lines, then kNone
+  std::vector<Addr> lines_;  ///< addresses of the outstanding lines, followed by kNone in unused entries
   std::vector<Payload> payloads_;
   /// Index in `payloads_` of each line in `lines_`. The last entry is the payload that was released last.
   std::vector<std::uint32_t> slots_;

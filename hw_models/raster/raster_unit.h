@@ -197,16 +197,17 @@ class RasterFetch {
  private:
   enum Stage : std::uint8_t { kList, kIndices, kVertices, kStages };
   static constexpr Stage kLast = kVertices;
-  static constexpr std::size_t kMostLines = 6;  ///< lines of a triangle in one stage: three vertices, each in two lines
+  static constexpr std::size_t kMostLines = 6;  ///< maximum number of lines that a triangle needs in one stage: three
+                                                ///< vertices, each in two lines
   struct Slot {
     const traces::RasterTriangle* triangle = nullptr;
     std::uint32_t entry = kBatch;
-    std::uint32_t pending = 0;  ///< requested lines that have not arrived
+    std::uint32_t pending = 0;  ///< number of requested lines that have not arrived
     std::array<Addr, kMostLines> lines{};
     std::uint32_t count = 0, next = 0;  ///< number of lines in the current stage; index of the next to look up
-    bool listed = false;                ///< `lines` contains the lines of the current stage
+    bool listed = false;                ///< `lines` has been filled for the current stage
     std::uint32_t missed = 0;
-    std::array<std::uint32_t, 3> vertices{};  ///< vertices to be transformed
+    std::array<std::uint32_t, 3> vertices{};  ///< numbers of the triangle's vertices that must be transformed
   };
 
   Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
@@ -223,7 +224,7 @@ class RasterFetch {
   const std::uint32_t lookups_;
   std::vector<Slot> slots_;
   std::uint64_t entered_ = 0, left_ = 0;       ///< number of triangles that have entered and left the window so far
-  std::array<std::uint64_t, kStages> done_{};  ///< number of triangles that have passed each stage so far
+  std::array<std::uint64_t, kStages> done_{};  ///< number of triangles that have passed each fetch stage so far
   VertexCache vertex_cache_;
   RasterStats& stats_;
 };
@@ -354,7 +355,7 @@ class RasterUnit {
   RasterFetch fetch_;
   RasterWrites writes_;
   std::vector<Job> jobs_;
-  std::uint64_t taken_ = 0, ended_ = 0;    ///< number of jobs accepted and finished so far
+  std::uint64_t taken_ = 0, ended_ = 0;    ///< number of rasteriser jobs accepted and finished so far
   Cursor entering_, setting_;              ///< next triangle to enter the window, and next to be set up
   std::uint32_t run_ = 0, run_entry_ = 0;  ///< next list entry to enter the window: its run, and index in the run
   bool has_front_ = false, has_back_ = false;

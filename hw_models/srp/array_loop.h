@@ -39,14 +39,14 @@ class ConfigMemory {
     std::uint64_t bytes = 0;
   };
   std::uint64_t free_;
-  std::vector<Resident> resident_;  ///< kernels in the memory, least recently used first
+  std::vector<Resident> resident_;  ///< kernels in configuration memory, least recently used first
 };
 
 /// A chunk: consecutive items of one kernel launch that run in a loop on the shader core's array.
 struct LoopChunk {
   std::uint32_t tile = 0, node = 0;
   std::uint32_t first = 0, items = 0;  ///< first item within the launch; number of items, idle ones included
-  std::uint32_t working = 0;           ///< number of leading items that do not idle
+  std::uint32_t working = 0;           ///< number of the chunk's leading items that do not idle
   std::uint32_t begin = 0;             ///< index of the chunk's first item within the loop
 };
 
@@ -92,15 +92,15 @@ struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
   LoopChunks chunks;
-  std::uint32_t loading = 0;              ///< number of leading items that access the data cache
-  sim::Time begin = 0;                    ///< start time of the kernel switch
-  sim::Time without_rays = 0;             ///< RayFeeder::time_without_rays() at time `begin`
-  sim::Time configured = 0;               ///< end time of the kernel switch
-  sim::Time start = 0;                    ///< start time of the loop
+  std::uint32_t loading = 0;              ///< number of the loop's leading items that access the data cache
+  sim::Time begin = 0;                    ///< time at which the switch to the loop's kernel starts
+  sim::Time without_rays = 0;             ///< value of RayFeeder::time_without_rays() at time `begin`
+  sim::Time configured = 0;               ///< time at which the switch to the loop's kernel ends
+  sim::Time start = 0;                    ///< time at which the loop's first item starts
   sim::Time stall_time = 0;               ///< stall time of the loop so far
-  sim::Time stalled_since = sim::kNever;  ///< start of the current stall; kNever: not stalled
-  std::uint32_t next_item = 0;            ///< next item whose cache lines are requested
-  std::uint32_t next_line = 0;            ///< index of the next cache line of that item
+  sim::Time stalled_since = sim::kNever;  ///< time at which the current stall began; kNever: the loop is not stalled
+  std::uint32_t next_item = 0;            ///< next loop item whose cache lines will be requested
+  std::uint32_t next_line = 0;            ///< index of the next cache line of this item
   std::uint32_t ii = 1, depth = 0;
 
   bool is_stalled() const { return stalled_since != sim::kNever; }

@@ -18,10 +18,10 @@ namespace {
 /// younger items that have started by then.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
-  std::uint32_t words = 1;  ///< length of a record in 16-byte words
-  std::uint32_t part = 0;   ///< bank of the accessed word in record 0, before the modulo
+  std::uint32_t words = 1;  ///< length of the accessed record in 16-byte words
+  std::uint32_t part = 0;   ///< bank of the accessed word if the record's index is 0 (modulo the number of banks)
   bool constant = false;
-  std::uint32_t index = 0;  ///< index of the record, if `constant`
+  std::uint32_t index = 0;  ///< index of the accessed record, if it is constant
 };
 
 bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.op == Op::kStoreLocal; }

@@ -18,7 +18,8 @@ static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 /// Message from a core to the tile dispatcher: a border of a tile is in memory, or the tile is finished.
 struct TileDone {
   const traces::TileWork* work = nullptr;
-  std::uint32_t border = traces::WorkNode::kNone;  ///< number of the border; kNone: the whole tile is finished
+  std::uint32_t border = traces::WorkNode::kNone;  ///< number of the border that is in memory; kNone: the whole tile is
+                                                   ///< finished
   TileTag tile = kNoTile;
 };
 
@@ -33,10 +34,10 @@ static_assert(area_of(traces::Region::kPicture) == Area::kPicture &&
 struct DmaJob {
   Addr base = 0;
   std::uint32_t bytes = 0;
-  bool write = true;      ///< direction; true: from the tile buffer to memory
+  bool write = true;      ///< direction of the DMA transfer; true: from the tile buffer to memory
   std::uint32_t tag = 0;  ///< value returned when the job is done
   Area area = Area::kPicture;
-  std::uint32_t encode_cycles = 0;  ///< cycles to sRGB-encode the pixels of a line; 0: no encoding
+  std::uint32_t encode_cycles = 0;  ///< cycles for sRGB-encoding the pixels of a line; 0: no encoding
   TileTag tile = kNoTile;
 };
 

@@ -11,7 +11,7 @@ namespace hw {
 
 /// Class of a kernel operation, by the unit or port of the shader core's array that it occupies. It determines cost.
 enum class OpClass : std::uint8_t {
-  kFree,  ///< no unit is occupied: loop variables, fields of loaded records, reinterpreted bits
+  kFree,  ///< operations that occupy no unit: loop variables, fields of loaded records, reinterpreted bits
   kFpAdd,
   kFpMul,
   kFpMulAdd,  ///< multiply-adds, on arrays with multiply-add units
@@ -21,7 +21,7 @@ enum class OpClass : std::uint8_t {
   kIntMul,
   kIntLogic,  ///< logic operations, sign changes, selects and combined masks
   kIntShift,
-  kConvert,  ///< conversions and floor
+  kConvert,  ///< conversions between float and integer, and floor
   kLocalRead,
   kLocalWrite,
   kCachedRead,

@@ -189,9 +189,10 @@ class Placer {
   std::vector<std::uint32_t> by_urgency_,
       rank_;               ///< operations, most urgent first; rank of each operation in that order
   BitVector waiting_;      ///< ranks of the operations that are not placed
-  std::size_t tried_ = 0;  ///< number of placements tried
+  std::size_t tried_ = 0;  ///< number of placements tried by the scheduler so far
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
-  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation tables; entry unit * ii + row is an operation
+  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table of each pool: the operation at entry
+                                                          ///< unit * ii + row
   std::array<std::vector<BitVector>, kPools> busy_;       ///< occupied rows of each unit in the reservation tables
 };
 

@@ -11,9 +11,9 @@ namespace hw {
 
 /// Cycle and unit that a kernel's schedule assigns to one operation, or to one access of a load or store.
 struct Placement {
-  std::uint32_t node = 0;   ///< node of the kernel's graph
-  std::uint32_t part = 0;   ///< index of the port-wide part of a record that the access moves
-  std::uint32_t start = 0;  ///< cycle of issue, counted from the start of the loop item
+  std::uint32_t node = 0;   ///< number of the operation's node in the kernel's graph
+  std::uint32_t part = 0;   ///< which port-wide part of a record the access moves
+  std::uint32_t start = 0;  ///< cycle in which the operation is issued, from the start of the loop item
   std::uint32_t unit = 0;   ///< number of the functional unit (row by row), local port or cache port
 };
 
@@ -21,10 +21,10 @@ struct Placement {
 /// `depth` cycles later, so a loop of n items takes depth + (n - 1) * ii cycles. All counts are per item.
 struct KernelSchedule {
   std::string kernel;
-  std::uint32_t ii = 1;       ///< initiation interval in cycles
+  std::uint32_t ii = 1;       ///< initiation interval: cycles from the start of one item to the start of the next
   std::uint32_t depth = 0;    ///< cycles from the start to the end of one item
-  std::uint32_t res_mii = 1;  ///< lower bound of `ii` from units and ports
-  std::uint32_t rec_mii = 0;  ///< lower bound of `ii` from values passed from item to item; 0: none
+  std::uint32_t res_mii = 1;  ///< lower bound of the initiation interval from the number of units and ports
+  std::uint32_t rec_mii = 0;  ///< lower bound of the initiation interval from values passed between items; 0: none
   OpMix ops{};
   std::uint32_t fu_ops = 0;        ///< number of operations on functional units
   std::uint32_t local_reads = 0;   ///< 16-byte reads of local memory
@@ -34,7 +34,7 @@ struct KernelSchedule {
   std::uint32_t rf_reads = 0;      ///< register file reads: one per operand
   std::uint32_t rf_writes = 0;     ///< register file writes: one per result and per loaded word
   std::uint32_t route_hops = 0;    ///< hops in the routing network: one per operand that another unit or port produced
-  std::uint32_t config_reads = 0;  ///< configuration words read: one per functional unit and cycle of `ii`
+  std::uint32_t config_reads = 0;  ///< configuration words read: one per functional unit and cycle of the interval
   std::vector<Placement> placements;
 };
 

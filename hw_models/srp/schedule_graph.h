@@ -70,7 +70,7 @@ class ScheduleGraph {
 
   std::uint32_t cache_width_;
   std::uint32_t product_latency_;     ///< cycles from a multiply-add's issue until it reads the other summand
-  std::vector<bool> fused_;           ///< result of is_fused() for each node
+  std::vector<bool> fused_;           ///< for each node, whether it is fused with an addition (is_fused())
   std::vector<std::uint32_t> first_;  ///< index of each node's first operation
   std::vector<Operation> operations_;
   std::vector<Dependence> dependences_;

@@ -87,18 +87,18 @@ class Srp {
   /// What a shader core needs to know of the frame and of other units.
   struct Frame {
     const traces::Layout* layout = nullptr;
-    std::span<const KernelSchedule> kernels;   ///< schedules by KernelId
-    std::span<const BankConflicts> conflicts;  ///< bank conflicts by KernelId
+    std::span<const KernelSchedule> kernels;   ///< schedules of all kernels, by KernelId
+    std::span<const BankConflicts> conflicts;  ///< tile buffer bank conflicts of all kernels, by KernelId
     traces::FrameRequirements needs;
     sim::Time ray_interval = 0;        ///< minimum time between two rays on the direct interface
-    std::array<Addr, kAreas> areas{};  ///< start addresses; spilled rays of this core go to kSpill
+    std::array<Addr, kAreas> areas{};  ///< start addresses of the memory areas; this core spills rays to kSpill
     std::uint32_t encode_cycles = 0;   ///< cycles in which the DMA sRGB-encodes a line of pixels; 0: no encoding
     std::uint32_t plane_bytes = 0;     ///< bytes that a rasteriser writes to the tile buffer per sample
     bool ideal = false;                ///< kernels take no time
     bool ideal_buffer = false;         ///< the tile buffer is unlimited and has no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< number of this core, reported in events
+    std::uint32_t core = 0;  ///< number of this shader core's core, reported in events
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t client,
@@ -142,17 +142,17 @@ class Srp {
       std::uint32_t slot = 0;
     };
     sim::Ring<Item> queue;
-    std::uint64_t missing = 0;                 ///< mask of the item slots that wait for lines
-    std::vector<std::uint32_t> lines_missing;  ///< number of lines for which each slot waits
+    std::uint64_t missing = 0;                 ///< mask of the loop items, modulo 64, that wait for lines
+    std::vector<std::uint32_t> lines_missing;  ///< number of lines for which each of these items waits
     std::vector<Addr> lines;
-    std::uint32_t lines_of_item = kNoItem;  ///< loop item whose lines are in `lines`
+    std::uint32_t lines_of_item = kNoItem;  ///< loop item whose cache lines are listed in `lines`
     bool mshrs_full = false;                ///< the array is stalled because no MSHR is free
   };
   /// State of the launch scheduler, which chooses the kernel launch that the shader core's array runs next.
   struct Launch {
     bool check_pending = false;          ///< a launch may have become ready since the last check
     bool is_blocked = false;             ///< a launch is ready but has too few free ray slots
-    std::uint32_t kernel = 0xffffffffU;  ///< kernel for which the array is configured
+    std::uint32_t kernel = 0xffffffffU;  ///< kernel for which the shader core's array is configured
     ConfigMemory config_memory;
   };
   /// Shader core jobs that wait to be sent to the DMA and to the rasteriser.
@@ -160,12 +160,12 @@ class Srp {
     sim::Ring<DmaJob> dma;
     sim::Ring<RasterJob> raster;
     std::uint64_t spills_started = 0, spills_done = 0;
-    std::uint64_t awaited = 0;  ///< transfers in progress for which nodes wait
+    std::uint64_t awaited = 0;  ///< number of transfers in progress for which work graph nodes wait
   };
   /// Occupancy of T&I unit and array since the last tick, for the counters `fed` and `awaited`.
   struct Occupancy {
     bool tni_had_rays = false, array_was_busy = false;
-    sim::Time until = 0;  ///< time up to which these counters are updated
+    sim::Time until = 0;  ///< time up to which both counters are updated
   };
 
   // Functions that handle tiles.
@@ -227,7 +227,7 @@ class Srp {
   TileBuffer buffer_;
   L1Cache cache_;
   std::vector<TileRun> tiles_;
-  std::vector<std::uint32_t> by_age_;  ///< slots of the tiles in flight, oldest tile first
+  std::vector<std::uint32_t> by_age_;  ///< slot numbers of the tiles in flight, oldest tile first
   ArrayLoop loop_;
   Loads loads_;
   Launch launch_;

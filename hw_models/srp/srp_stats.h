@@ -8,11 +8,11 @@ namespace hw {
 
 /// Use of a shader core by one kernel.
 struct KernelUse {
-  std::uint64_t launches = 0;  ///< number of loops, each with prologue and drain
+  std::uint64_t launches = 0;  ///< number of array loops of the kernel, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t idle = 0;     ///< items without work, included in `items`
-  std::uint64_t cycles = 0;   ///< shader core cycles, including switches and stalls
-  std::uint64_t starved = 0;  ///< those of `cycles` in which the T&I unit had no ray
+  std::uint64_t idle = 0;     ///< number of idle items, which are included in `items`
+  std::uint64_t cycles = 0;   ///< shader core cycles of the kernel, including switches and stalls
+  std::uint64_t starved = 0;  ///< number of these cycles in which the T&I unit had no ray
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;

@@ -41,8 +41,8 @@ struct TileBufferConfig {
 
 /// Number of tiles of a frame on which a core works at the same time.
 struct TilesInFlight {
-  std::uint32_t first = 1;  ///< tiles per core in the first pass
-  std::uint32_t later = 1;  ///< tiles per core in each later pass
+  std::uint32_t first = 1;  ///< maximum tiles in flight per core in the first pass
+  std::uint32_t later = 1;  ///< maximum tiles in flight per core in each later pass
   std::uint32_t max_tiles() const { return std::max(first, later); }
 };
 

@@ -125,7 +125,7 @@ class TileRun {
   std::vector<Progress> progress_;
   std::vector<std::uint32_t> transfers_;   ///< transfer and rasteriser nodes that have not started
   std::vector<std::uint32_t> batches_;     ///< all batches, grouped by the launch that produces them
-  std::vector<std::uint32_t> chunk_left_;  ///< rays that have not returned, for each chunk of each batch
+  std::vector<std::uint32_t> chunk_left_;  ///< number of rays that have not returned, for each chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

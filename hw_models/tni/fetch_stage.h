@@ -12,7 +12,7 @@ namespace hw {
 
 /// Counters of the fetch stage and L1 cache of a traversal or intersection unit.
 struct FetchStats {
-  std::uint64_t l1_accesses = 0;  ///< sum of hits and misses, computed by stats()
+  std::uint64_t l1_accesses = 0;  ///< sum of L1 hits and misses, computed by stats()
   std::uint64_t l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
   std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
@@ -225,7 +225,7 @@ class FetchStage {
   const MissHandling handling_;
   const RauConfig rau_;
   std::uint64_t& ready_;          ///< mask of the slots that need to read a line
-  std::uint64_t missing_ = 0;     ///< mask of the slots that wait for a line
+  std::uint64_t missing_ = 0;     ///< mask of the slots that wait for a line from memory
   std::uint64_t no_mshr_ = 0;     ///< mask of the slots that wait for an MSHR
   std::uint64_t resumed_ = 0;     ///< mask of the slots that stalled and may now probe again, before all others
   bool stalled_ = false;          ///< a slot stalls the fetch stage

@@ -69,7 +69,7 @@ class Ist {
     }
   };
   struct Links {
-    std::vector<sim::Link<LeafJob>*> leaves_in;  ///< one link for each traversal unit (TRV)
+    std::vector<sim::Link<LeafJob>*> leaves_in;  ///< link from each traversal unit (TRV)
     std::vector<sim::Link<LeafDone>*> leaves_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
@@ -121,7 +121,7 @@ class Ist {
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
-  const bool ideal_;     ///< the unit does unlimited operations per cycle
+  const bool ideal_;     ///< the intersection unit does unlimited operations per cycle
   const bool reorders_;  ///< miss handling is `reorder` and the L1 is not ideal
   /// Cycles from the fetch of a triangle to the result of its test, by the phase (1 to 3) with which the test ends.
   const std::array<std::uint32_t, 4> known_after_;

@@ -48,9 +48,9 @@ class RayDispatcher {
 
   struct Policy {
     Dispatch dispatch = Dispatch::kEmptiest;
-    std::uint32_t rays_per_trv = 0;  ///< capacity of a TRV's input buffer
+    std::uint32_t rays_per_trv = 0;  ///< capacity of the input buffer of a traversal unit (TRV)
     std::uint32_t hit_interval = 1;  ///< minimum cycles from one returned hit to the next
-    bool ideal = false;              ///< unlimited rays and hits per cycle (ideal.tni)
+    bool ideal = false;              ///< the dispatcher moves unlimited rays and hits per cycle (ideal.tni)
   };
 
   RayDispatcher(const Policy& policy, Links links, sim::Clock clock);
@@ -82,7 +82,7 @@ class RayDispatcher {
   const sim::Inputs<RayDone> from_trv_;
   Arbiter collects_;
   std::vector<std::uint32_t> load_;  ///< number of rays inside each TRV
-  std::size_t turn_ = 0;             ///< next TRV in round-robin order
+  std::size_t turn_ = 0;             ///< next traversal unit (TRV) in round-robin order
   sim::Time collect_at_ = 0;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

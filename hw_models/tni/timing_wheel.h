@@ -29,7 +29,8 @@ struct Cycle {
 template <std::size_t kPipes>
 class TimingWheel {
  public:
-  static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be less than this number of cycles
+  static constexpr std::uint64_t kMostSpan = 64;  ///< upper limit of latencies, which must be less than this number of
+                                                  ///< cycles
   /// One mask of slots for each pipe.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
@@ -75,8 +76,8 @@ class TimingWheel {
   using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the masks of all pipes as one host vector
 
   sim::Clock clock_;
-  std::uint64_t occupied_ = 0;    ///< mask of the bins with slots
-  const std::uint64_t last_bin_;  ///< index of the last bin
+  std::uint64_t occupied_ = 0;    ///< mask of the bins of the wheel that contain slots
+  const std::uint64_t last_bin_;  ///< index of the last bin of the wheel
   std::array<Masks, kMostSpan> bins_{};
 };
 

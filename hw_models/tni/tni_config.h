@@ -56,8 +56,8 @@ struct RauConfig {
 
 /// Dispatch policy of a T&I unit: which traversal unit gets the next ray.
 enum class Dispatch : std::uint8_t {
-  kEmptiest,    ///< the traversal unit with the fewest rays inside
-  kRoundRobin,  ///< the next unit with room, in round-robin order
+  kEmptiest,    ///< the ray goes to the traversal unit with the fewest rays inside
+  kRoundRobin,  ///< the ray goes to the next traversal unit with room, in round-robin order
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 

@@ -31,8 +31,8 @@ class TniCore {
   };
   /// Selects the parts of a T&I unit that are ideal (keys ideal.*).
   struct Ideal {
-    bool tni = false;  ///< 64 rays per TRV, 64 leaves in the IST, unlimited operations per cycle, each in one cycle
-    bool l1 = false;   ///< every probe of an L1 hits
+    bool tni = false;  ///< ideal pipes: 64 rays per TRV, 64 leaves in the IST, unlimited one-cycle operations
+    bool l1 = false;   ///< ideal L1 caches: every probe hits
   };
   struct Links {
     sim::Link<RayJob>& rays_in;

@@ -33,8 +33,8 @@ class RestartPath {
   void remove_next_step() { path_.pop_back(); }
 
  private:
-  static constexpr std::size_t kUsualDepth = 128;    ///< reserved path length; longer paths allocate more
-  static constexpr std::uint32_t kEnter = 1U << 31;  ///< marks an instance in the path
+  static constexpr std::size_t kUsualDepth = 128;    ///< path length for which memory is reserved
+  static constexpr std::uint32_t kEnter = 1U << 31;  ///< bit that marks an instance in the path
 
   std::vector<std::uint32_t> path_;
 };
@@ -164,8 +164,8 @@ class TraversalSlot {
   std::uint32_t id_ = 0;
   std::uint32_t culls_ = 0;             ///< stack entries to be popped and discarded before the next step
   std::uint16_t stack_depth_ = 0;       ///< entries pushed and not popped, including those dropped from the short stack
-  std::uint16_t short_stack_size_ = 0;  ///< number of entries in the short stack
-  bool must_pop_ = false;               ///< a pop must precede the next step
+  std::uint16_t short_stack_size_ = 0;  ///< number of entries of the ray in the short stack
+  bool must_pop_ = false;               ///< the ray needs a pop before its next step
   bool restarting_ = false;
   std::uint8_t child_ = 0;
   std::uint8_t lines_read_ = 0;

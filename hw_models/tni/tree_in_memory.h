@@ -18,7 +18,7 @@ struct TreeInMemory {
   /// If records contain a single box: the records of the two children of each inner node. Empty if the record of a node
   /// contains the boxes of both children.
   std::span<const std::array<std::uint32_t, 2>> single_boxes{};
-  bool hybrid = false;  ///< boxes are stored in fixed point
+  bool hybrid = false;  ///< child boxes are stored in fixed point
   /// The children of each node, for prefetching.
   std::span<const traces::NodeRecord> links{};
   /// Address and contents of the instance records of a two-level BVH.
@@ -38,7 +38,7 @@ struct TreeInMemory {
   /// A cache line that a visit to a node reads.
   struct Line {
     Addr line = 0;
-    bool last = true;  ///< true for the last line of the visit
+    bool last = true;  ///< true for the last line that the visit reads
   };
   /// Returns the cache line number `index` (from 0) that a visit to a node reads. `testers`: number of box testers.
   /// With 2, a visit reads the boxes of both children, with 1 only that of `child`.

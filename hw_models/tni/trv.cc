@@ -11,7 +11,7 @@
 
 namespace hw {
 
-static constexpr std::size_t kUsualStackDepth = 128;  ///< reserved entries; deeper stacks allocate more
+static constexpr std::size_t kUsualStackDepth = 128;  ///< stack entries for which memory is reserved
 
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
          sim::Clock clock)

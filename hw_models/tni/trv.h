@@ -20,10 +20,10 @@ namespace hw {
 
 /// Features of a traversal unit that its ticks test.
 struct TrvFeatures {
-  bool instances = false;   ///< the scene has instances
+  bool instances = false;   ///< the scene has instances (a two-level BVH)
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point
   bool one_pipe = false;    ///< box tests, pops and leaves share one pipe
-  bool ideal = false;       ///< unlimited operations per cycle
+  bool ideal = false;       ///< the unit does unlimited operations per cycle
   bool prefetches = false;  ///< nodes of far children are prefetched
   bool reorders = true;     ///< miss handling is `reorder` and the L1 is not ideal
   bool stack = true;        ///< a ray's stack has a capacity of at least one entry
@@ -91,7 +91,8 @@ class Trv {
     std::uint64_t visits = 0, leaves = 0;
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t restarted_visits = 0, first_passes = 0;
-    std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< computed by stats()
+    std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< box tests in floating point and in fixed point, computed by
+                                                        ///< stats()
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
@@ -224,19 +225,19 @@ class Trv {
   } arrivals_;
   sim::Time leaf_free_at_ = 0;  ///< time at which the leaf pipe (or the shared pipe) is free
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
-  const std::uint32_t box_latency_, transform_latency_;  ///< cycles, including an L1 hit
+  const std::uint32_t box_latency_, transform_latency_;  ///< latencies in cycles, including an L1 hit
   const std::uint32_t stack_latency_;
   const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
   const TrvFeatures features_;
   const bool is_default_;    ///< the features equal kDefaultTrvFeatures
-  bool rays_moved_ = false;  ///< a ray entered or retired in this cycle
+  bool rays_moved_ = false;  ///< a ray has entered or left the input buffer in this cycle
   bool full_ = false;        ///< every slot has had a ray since time `full_since_` and visit number `full_since_visit_`
   std::vector<TraversalSlot> slots_;
   const sim::Clock clock_;
   sim::Activity<CycleReason> activity_;
   Stats stats_;
   FetchStage fetch_;
-  TimingWheel<kPipes> pipes_;  ///< slots in the sub-pipes, by the pipe that they need next
+  TimingWheel<kPipes> pipes_;  ///< slots inside the pipes, by the sub-pipe that they need next
 
   const TreeInMemory tree_;
   Links links_;
@@ -245,9 +246,9 @@ class Trv {
   std::uint64_t at_ist_ = 0;             ///< mask of the slots that wait for the intersection unit's answer
   std::uint64_t both_children_hit_ = 0;  ///< mask of the slots in the box pipe whose visit hits both children
   const TrvConfig config_;
-  std::vector<const std::uint32_t*> begins_;  ///< first step of the walk of each slot's ray
-  std::vector<RestartPath> paths_;            ///< restart path of each slot's ray
-  std::vector<StackEntryOrigin> entries_;     ///< scratch space for restarts
+  std::vector<const std::uint32_t*> begins_;  ///< start of the recorded walk of each slot's ray
+  std::vector<RestartPath> paths_;            ///< for each slot's ray, the nodes to visit again after a restart
+  std::vector<StackEntryOrigin> entries_;     ///< scratch space for restarts of rays
   std::vector<FarNode> far_nodes_;            ///< nodes to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
   std::uint64_t full_since_visit_ = 0;

@@ -11,7 +11,7 @@ namespace sim {
 
 /// Description of one field of a configuration, with its value. The argument --set <path>=<value> restores the value.
 struct FieldInfo {
-  std::string path;  ///< "tni.trv.rays"
+  std::string path;  ///< dotted path of the field: "tni.trv.rays"
   FieldKind kind = FieldKind::kBool;
   std::string unit;
   std::string meaning;

@@ -44,7 +44,7 @@ class ConfigLoader {
   struct Source {
     std::string name;
     std::filesystem::path folder;
-    std::size_t nearness;  ///< ConfigNode::nearness
+    std::size_t nearness;  ///< value for ConfigNode::nearness of the fields that the source sets
     bool is_file = true;
     std::string place_of(TextPosition position) const;
   };

@@ -634,7 +634,7 @@ class JsonBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   Json root_;
-  std::vector<Json*> open_;  ///< arrays and objects still being parsed
+  std::vector<Json*> open_;  ///< arrays and objects whose end has not been parsed, outermost first
   Json* member_ = nullptr;   ///< value of the last parsed key
 };
 

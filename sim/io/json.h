@@ -167,7 +167,8 @@ class Json {
   template <class T>
   T get_ref() const;
 
-  std::size_t size() const;  ///< number of elements or keys; 0 for null, 1 for a boolean, number or string
+  std::size_t size() const;  ///< number of elements or keys of a JSON value; 0 for null, 1 for a boolean, number or
+                             ///< string
   bool empty() const { return size() == 0; }
   iterator begin();
   iterator end();

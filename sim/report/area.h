@@ -45,7 +45,7 @@ struct AreaOfBlock {
 
 struct AreaReport {
   std::map<std::string, AreaOfBlock> blocks;
-  Band total;  ///< sum of the blocks, plus wires between them and gaps
+  Band total;  ///< area of all blocks, plus wires between them and gaps
 };
 
 /// Computes the area of each block of the chip. `energy`: table with the areas of logic. Throws InputError for a unit

@@ -20,9 +20,9 @@ constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal",
 
 /// Power state of the chip between frames.
 enum class ChipIdle : std::uint8_t {
-  kPowerGated,  ///< without supply; the fraction `idle_leakage` of the leakage remains
-  kClockGated,  ///< with supply, without clocks: all leakage remains
-  kClocked,     ///< with supply and clocks: all leakage, and the clock energy of idle units
+  kPowerGated,  ///< supply off; the fraction `idle_leakage` of the leakage remains
+  kClockGated,  ///< supply on, clocks off: all leakage remains
+  kClocked,     ///< supply and clocks on: all leakage, and the clock energy of idle units
 };
 constexpr std::array<std::string_view, 3> names_of(ChipIdle) { return {"power_gated", "clock_gated", "clocked"}; }
 
