@@ -196,7 +196,7 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();
   machine.start();
   WakeupTable& wakeups = machine.wakeup_table();
-  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // hash and unit
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // hash and index of each due unit
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
     watchdog.run_due_checks(now);

@@ -27,7 +27,7 @@ class Intervals {
   /// reduced if rows have many values.
   explicit Intervals(Time length = kFirstLength, std::size_t max_intervals = kMost);
 
-  // Functions for the recorded machine.
+  // Functions with which a machine records its intervals.
   void allocate_rows(std::size_t values_per_row);
   Time next_boundary() const { return (rows_ + 1) * length_; }
   /// Adds a row for the next interval boundary. The caller fills it with values.

@@ -41,7 +41,7 @@ inline Time run_limit(const Partition& partition, Time others_reached, Time end)
   return std::min(end, partition.nearly_full == 0 ? end : others_reached + 1);
 }
 
-/// Argument of a call of a cluster's owner: limits of the run, and the wake-up times that the owner updates.
+/// Argument of a cluster's run function: limits of the run, and the wake-up times that the cluster's owner updates.
 struct ClusterTurn {
   Time* wakeup_times;            ///< wake-up times of the cluster's units, updated by the owner
   std::span<Time> group_minima;  ///< minimum of each group of eight of these times, updated by the owner

@@ -9,7 +9,7 @@ namespace sim {
 /// A point in simulated time or a duration, in integer femtoseconds: exact for every clock.
 using Time = std::uint64_t;
 
-/// The latest time, which stands for "never": the largest value that is also a signed 64-bit number.
+/// The latest time, which means "never": the largest value that is also a signed 64-bit number.
 inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr Time kFemtosecondsPerNanosecond = 1'000'000;
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;

@@ -13,7 +13,7 @@ class BankLanes {
  public:
   static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks of a channel, over all ranks
 
-  /// `bank_count`: number of banks of the channel.
+  /// Creates an array of zeros for the `bank_count` banks of a DRAM channel.
   explicit BankLanes(std::uint32_t bank_count) : fours_((bank_count + kWidth - 1) / kWidth) {}
 
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }

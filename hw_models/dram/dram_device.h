@@ -71,7 +71,7 @@ class CommandCalendar {
   /// True if the DRAM data bus is free for all bursts of a line whose first burst starts at cycle `at`.
   bool is_data_bus_free(Cycle at) const { return (mask_relative_to(blocked_data_, at) & 1) == 0; }
 
-  /// Books a command at cycle `at`. Queries for cycles before `at` are not possible afterwards.
+  /// Books a DRAM command that starts at cycle `at`. Cycles before `at` can no longer be queried.
   void book_command(DramCommand command, Cycle at) {
     book_kind(index_of(command), at);
     if (command != DramCommand::kActivate || half_activate_ == 0) return;

@@ -14,7 +14,7 @@ namespace hw {
 
 ScheduledKernels schedule_kernels(const GpuConfig& config) {
   SrpConfig srp = config.srp;
-  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // no kernel can use more
+  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more ports than any kernel can use
   ScheduledKernels out;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     out.kernels.push_back(schedule_kernel(kernel.graph, srp));
@@ -110,7 +110,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
       machine_.unit({name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
                      config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
-  const auto known = sim::Lookahead::kByOwner;  // Gpu::run_limits() accounts for these links
+  const auto known = sim::Lookahead::kByOwner;  // run_limits() computes their arrival times
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(

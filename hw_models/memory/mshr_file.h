@@ -33,7 +33,7 @@ class MshrFile {
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
-  /// Allocates an MSHR for a line that is not outstanding. Returns its payload, which still has an earlier value.
+  /// Allocates an MSHR for a line that is not outstanding. Returns its payload, which is not reset.
   Payload& allocate(Addr line) {
     assert(!is_full() && find_payload(line) == nullptr);
     lines_[size_] = line;

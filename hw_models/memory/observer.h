@@ -57,7 +57,7 @@ struct LoopEnded {
   std::uint32_t core = 0;
   traces::KernelId kernel = 0;
   sim::Time begin = 0, configured = 0, start = 0,
-            /// Start of the kernel switch, start of the bank conflicts, start of the loop, end of the loop.
+            /// Times: start of the kernel switch, start of the bank conflicts, start of the loop, end of the loop.
       end = 0;
   sim::Time stalled = 0;     ///< time for which the loop stalled on data cache misses
   std::uint64_t cycles = 0;  ///< shader core cycles charged to the kernel for this loop
@@ -159,7 +159,7 @@ class ObserverList final : public Observer {
   void add(Observer* observer) {
     if (observer != nullptr) observers_.push_back(observer);
   }
-  /// Returns the observer to attach to the machine: null if the list is empty, its only observer, or this list.
+  /// Returns the observer to attach to the machine: the only one in the list, this list if it has several, or null.
   Observer* attached_observer() {
     if (observers_.size() > 1) return this;
     return observers_.empty() ? nullptr : observers_.front();

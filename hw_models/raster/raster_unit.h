@@ -175,9 +175,9 @@ class RasterFetch {
   void add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
-  /// True if all lines of the oldest triangle in the window have arrived.
+  /// True if all lines of the oldest triangle in the rasteriser's window have arrived.
   bool is_ready() const { return !empty() && done_[kLast] > left_ && slot_of(left_).pending == 0; }
-  /// Returns the number of vertices of the oldest triangle that must be transformed.
+  /// Returns the number of vertices of the window's oldest triangle that must be transformed.
   std::uint32_t missed_vertex_count() const { return slot_of(left_).missed; }
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }

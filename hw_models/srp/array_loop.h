@@ -77,7 +77,7 @@ class LoopChunks {
         std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return p.tile == tile && p.node == node; });
     return part == chunks_.end() ? nullptr : &*part;
   }
-  /// Returns the chunk to which a working item of the loop belongs.
+  /// Returns the chunk of the array loop to which an item, which must not be idle, belongs.
   const LoopChunk& chunk_of(std::uint32_t item) const {
     return *std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return item < p.begin + p.working; });
   }

@@ -111,7 +111,7 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
 std::vector<std::int64_t> ScheduleGraph::path_heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
   for (const Operation& op : operations_) height.push_back(op.latency);
-  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next on the longest path
+  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next operation on the longest path
   // Bellman-Ford algorithm. If heights grow without bound, the longest paths soon contain a cycle.
   for (bool grew = true; grew;) {
     grew = false;

@@ -84,7 +84,7 @@ class Srp {
     sim::Link<RasterJob>* raster_out = nullptr;  ///< null if the core has no rasteriser
     sim::Link<RasterDone>* raster_in = nullptr;
   };
-  /// What a shader core needs to know of the frame and of other units.
+  /// Properties of the frame and of other units on which a shader core depends.
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;   ///< schedules of all kernels, by KernelId

@@ -6,7 +6,7 @@
 
 namespace hw {
 
-/// Use of a shader core by one kernel.
+/// Counters of the use of a shader core by one kernel.
 struct KernelUse {
   std::uint64_t launches = 0;  ///< number of array loops of the kernel, each with prologue and drain
   std::uint64_t items = 0;

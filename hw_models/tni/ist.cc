@@ -106,7 +106,7 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
 }
 
 [[gnu::always_inline]] inline Ist::CycleReason Ist::issue_tests(std::uint64_t cycle) {
-  CycleReason why = CycleReason::kStarved;  // default, if no slot tries to issue
+  CycleReason why = CycleReason::kStarved;  // the reason if no slot tries to issue
   for (std::uint64_t slots = issuable_slots(); slots != 0; slots = ideal_ ? issuable_slots() : 0) {
     const CycleReason one = issue_test(slots, cycle);
     if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;

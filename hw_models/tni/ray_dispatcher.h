@@ -17,11 +17,10 @@ namespace hw {
 /// The ray dispatcher of a T&I unit distributes rays to the traversal units (TRVs) and collects finished rays from
 /// them.
 ///
-///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in round-robin order that has
-///   room
+///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next one that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
-/// It tracks the number of rays in each TRV by counting the rays sent to and returned by the TRV.
+/// The dispatcher tracks the number of rays in each TRV by counting the rays sent to and returned by the TRV.
 class RayDispatcher {
  public:
   static constexpr const char* kName = "core.tni.dispatcher";

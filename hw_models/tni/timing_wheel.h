@@ -66,7 +66,7 @@ class TimingWheel {
   sim::Time next_completion(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle.number & last_bin_;
-    const std::uint64_t later = occupied_ >> bin;  // 0: the next occupied bin is before this one
+    const std::uint64_t later = occupied_ >> bin;  // 0: only earlier bins of the ring are occupied
     const int bins =
         later != 0 ? std::countr_zero(later) : static_cast<int>(last_bin_ + 1 - bin) + std::countr_zero(occupied_);
     return clock_.edge_after(cycle.now, static_cast<std::uint64_t>(bins));

@@ -28,7 +28,8 @@ enum class Prefetch : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
 
-/// Handling of misses in the first-level caches of a T&I unit (fetch_stage.h): what a ray or leaf that misses does.
+/// Handling of misses in the first-level caches of a T&I unit (fetch_stage.h): what happens to a ray or leaf that
+/// misses.
 enum class MissHandling : std::uint8_t {
   kReorder,   ///< wait in the input buffer and probe again when the line has arrived (Lee et al. 2015)
   kBypass,    ///< go through the pipe without work and probe again, until it hits (US patent 9,754,403)

@@ -11,7 +11,7 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
   const std::uint32_t from = from_root ? 0 : entries.front().node;
   const std::uint32_t instance = entries.back().instance;
   const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
-  // Goes upwards from the youngest entry's node; from the root of an instance's tree, to the tree over instances.
+  // Follow parents from the youngest entry's node. The parent of an instance's root is in the tree over instances.
   for (std::uint32_t node = entries.back().node;;) {
     path_.push_back(node);
     if (node == from) break;

@@ -106,7 +106,8 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
   return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
-/// Returns a mask of the slots that may enter the shared pipe of a TRV; those with a leaf if `room_for_leaves`.
+/// Returns a mask of the slots that may enter the shared pipe of a TRV. Slots with a leaf are included only if
+/// `room_for_leaves`.
 std::uint64_t Trv::shared_pipe_slots(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
@@ -302,7 +303,7 @@ template <bool kDefault>
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
-  CycleReason why = CycleReason::kStarved;  // default, if no slot tries to issue
+  CycleReason why = CycleReason::kStarved;  // the reason if no slot tries to issue
   if (has.one_pipe) {
     why = issue_in_shared_pipe(cycle);
   } else {
@@ -390,7 +391,7 @@ void Trv::issue_outputs(const Cycle& cycle) {
     if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
     rays_moved_ = true;
   }
-  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after the cycle's demand accesses
+  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after the demand accesses of the cycle
   fetch_.send_request(cycle.now, links_.memory_out);
 }
 

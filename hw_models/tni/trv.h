@@ -209,7 +209,7 @@ class Trv {
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// Adds the far children of the last visits of the slots, which hit both children, to the nodes to prefetch.
+  /// Lists the far children of the last visits of the slots `visited_slots`, which hit both children, for prefetching.
   void collect_far_nodes(std::uint64_t visited_slots);
   void prefetch_far_nodes(std::uint64_t cycle);
   /// Returns the reason to which cycles from time `next` on are charged if no node enters the box pipe.

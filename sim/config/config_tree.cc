@@ -39,8 +39,8 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Collects the origins (files, --set arguments) with the greatest nearness among the group's fields, if it is greater
-/// than `than`. Updates `than` to it.
+/// Collects the origins (files, --set arguments) of the group's fields that were set nearest to the user
+/// (ConfigNode::nearness), if that is nearer than `than`. Updates `than`.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {

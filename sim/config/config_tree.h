@@ -128,7 +128,7 @@ class TreeBuilder {
   /// Declares a key of a mechanism that is not modelled. Setting the key is an error whose text contains the reason.
   void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
-  /// Adds a child node for each field and group of the struct `config` to `node`.
+  /// Adds a child node for each field and group of the configuration struct `config` to `node`.
   template <class Config>
   static void bind(ConfigNode& node, Config& config) {
     TreeBuilder builder(node);

@@ -21,7 +21,7 @@ class ConfigVariant {
   std::string hash(std::optional<Affects> only) const;
 
  private:
-  /// A field, or a group without its fields, in both configurations.
+  /// One node of both configuration trees: a field, or a group without its fields.
   struct Node {
     const ConfigNode* base;
     ConfigNode* variant;
