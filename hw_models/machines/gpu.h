@@ -32,8 +32,9 @@ struct ScheduledKernels {
 ScheduledKernels schedule_kernels(const GpuConfig& config);
 
 /// Small change of a GPU's timing, to measure how much results depend on chance (docs/noise.md). Cores start a few
-/// cycles later, the DRAM fabric latency differs by one cycle, refreshes have another phase. The default is no change.
-/// Method: Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003.
+/// cycles later, the DRAM fabric latency may differ by one cycle, refreshes have another phase. The default is no
+/// change. Method: Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA
+/// 2003.
 struct Perturbation {
   std::vector<std::uint32_t> starts;  ///< cycles for which each core waits before its first tile; empty: 0
   DramPerturbation dram;
