@@ -296,8 +296,9 @@ struct CombineRatio {
 /// Filter weight of a dissimilar pixel, so small that it matters only if no pixel is similar.
 inline constexpr float kUnlikeWeight = 1e-4F;
 
-/// Adds the light of one light source to all pixels that a tile finishes. A pixel that emitted no rays uses the mean
-/// visible fraction of up to four neighbours that did, weighted by the similarity measure of the program reconstruct.
+/// Adds the light of one light source to all pixels whose final colours a tile computes. A pixel that emitted no rays
+/// uses the mean visible fraction of up to four neighbours that did, weighted by the similarity measure of the program
+/// reconstruct.
 template <bool kCheckerboard>
 struct UpsampleEffects {
   static constexpr std::string_view kName = kCheckerboard ? "upsample_effects_checkerboard" : "upsample_effects";
@@ -311,7 +312,7 @@ struct UpsampleEffects {
     Local<V, ColourRecord> lights;
     Local<V, RatioRecord> ratios;
     Local<V, ColourRecord> colours;
-    F<V> x0, y0;  ///< picture position of the first pixel that the tile finishes
+    F<V> x0, y0;  ///< picture position of the first pixel whose final colour the tile computes
     F<V> bend;
     I<V> apart;  ///< index offset of the records that belong to this light source
     static constexpr void describe(auto& p, auto&& port) {

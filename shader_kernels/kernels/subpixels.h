@@ -47,8 +47,9 @@ inline constexpr std::uint32_t kChunk = 64;
 /// Number of samples of an active sub-pixel; number in a pixel whose four sub-pixels are active; side of their grid.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
-/// The pixels that a tile finishes, row by row. The samples at their centres begin at `first`, with `pitch` per row.
-/// Columns and rows from `low` to `high` have a sample; they are counted from the first finished pixel.
+/// The pixels whose final colours a tile computes (finished pixels), row by row. The samples at their centres begin at
+/// `first`, with `pitch` per row. Columns and rows from `low` to `high` have a sample; they are counted from the first
+/// finished pixel.
 template <class V>
 struct FinishedUniforms {
   F<V> width, inverse_width;

@@ -102,8 +102,8 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   wave.run(generated, pixels, retained);
 }
 
-/// Fills the halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile order.
-/// If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
+/// Fills the halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
+/// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void UpsampledProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * exchanged_bytes(),

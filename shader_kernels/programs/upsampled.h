@@ -41,7 +41,7 @@ class UpsampledProgram final : public FrameProgram {
     SampleTile at;
     FinishedUniforms<float> finished;
     GridUniforms<float> grid;
-    std::uint32_t pixels;  ///< number of pixels that the tile finishes
+    std::uint32_t pixels;  ///< number of pixels whose final colours the tile computes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;

@@ -163,7 +163,7 @@ class Walk {
     return link;
   }
 
-  /// Tests the triangles of a leaf. Returns true if one of them ends the walk of an any-hit ray.
+  /// Tests the triangles of a leaf. Returns true if a hit ends the walk of an any-hit ray.
   bool enter_leaf(std::uint32_t link) {
     const std::uint32_t first = leaf_first(link);
     const std::uint32_t count = leaf_count(link);
@@ -225,7 +225,8 @@ class Walk {
     if constexpr (kLevels) hit_instance_ = instance_;
   }
 
-  /// True if `triangle`, which is as far as the current hit, has the higher `source` and so loses the tie.
+  /// True if a hit of `triangle` is ignored: it is as far away as the current hit, whose triangle has the lower
+  /// `source`.
   bool loses_tie(std::uint32_t triangle) const {
     if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;

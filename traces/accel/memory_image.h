@@ -133,7 +133,7 @@ struct MaterialRecord {
   std::uint32_t base_texture;  ///< index of the base texture, or kNoTexture
   std::uint32_t flags;         ///< bits of MaterialFlag
   float opacity;               ///< alpha of the material; 1 if the material ignores alpha
-  float alpha_cutoff;          ///< with kMasked the smallest alpha that is opaque, otherwise 0
+  float alpha_cutoff;          ///< smallest alpha that is opaque in a kMasked material, otherwise 0
 };
 static_assert(sizeof(MaterialRecord) == 64);
 
@@ -223,7 +223,7 @@ struct MemoryImage {
   std::vector<VertexRecord> vertices;  ///< vertex data; empty if no material needs them
   std::vector<MaterialRecord> materials;
   std::vector<MaterialDetailRecord> details;  ///< further material data; empty if no material needs them
-  std::vector<Texture> textures;              ///< all textures, with texels row by row; only their addresses are tiled
+  std::vector<Texture> textures;              ///< textures, with texels row by row; in the GPU's memory they are tiled
   /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
   /// Each level is a texture of its own, stored after the previous level. Materials name the first level.
   std::vector<std::uint32_t> mip_levels;

@@ -43,7 +43,8 @@ Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
   return e;
 }
 
-/// Returns the direction in which light leaves an emitter: on the side of the middle of the scene.
+/// Returns the direction in which light leaves an emitter: its mean normal or its shortest side, towards the middle of
+/// the scene.
 glm::vec3 exit_direction(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {

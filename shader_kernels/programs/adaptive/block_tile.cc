@@ -253,8 +253,8 @@ void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::ui
   graph.register_record_writer(counted);
 }
 
-/// Fills the left halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile
-/// order. If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
+/// Fills the left halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
+/// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void BlockTile::import_left() {
   if (!at.has_left) return;
   const std::uint32_t step = block_ * frame_.row_pitch();

@@ -118,7 +118,8 @@ class BlockTile {
   }
   /// Writes the records of the references to DRAM and reads them back, if AdaptiveConfig::attributes is dram.
   void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
-  /// Writes the x samples' records to DRAM and reads all reference rows back, if AdaptiveConfig::attributes is dram.
+  /// Writes the other records of the rows with references to DRAM and reads all records of these rows back, if
+  /// AdaptiveConfig::attributes is dram.
   void spill_reference_rows_to_dram() {
     spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }
@@ -129,7 +130,7 @@ class BlockTile {
   void average_pixels();
   /// Writes the pixels that launch `packed` has encoded to the frame buffer.
   void write_packed_pixels(Wavefront::Node packed);
-  /// Completes the tile's graph of work and counts its samples.
+  /// Completes the tile's graph of work and counts the tile's samples.
   void finish();
 
   const SampleTile at;

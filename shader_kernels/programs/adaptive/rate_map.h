@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-/// The block sides of all tiles. Multirate's results in a frame determine those of the next (Lee et al. 2016, section
-/// 3).
+/// Block sides of all tiles in the program multirate. The results of one frame determine the block sides of the next
+/// frame (Lee et al. 2016, section 3).
 class RateMap {
  public:
   static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles whose samples were similar

@@ -314,8 +314,8 @@ std::uint64_t ReconstructProgram::stored_bytes() const {
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
-/// Fills the halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile order.
-/// If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
+/// Fills the halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
+/// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void ReconstructProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();

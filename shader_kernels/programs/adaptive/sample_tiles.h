@@ -87,11 +87,11 @@ class FinishedTiles {
   /// Returns the number of samples in a row of the tile buffer: the halo, then the tile's own.
   std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
   std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
-  /// Returns the largest number of pixels that a tile finishes.
+  /// Returns the largest number of pixels whose final colours one tile computes.
   std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
-  /// Sets in `out` which rectangle of the picture a tile finishes.
+  /// Sets in `out` the rectangle of the picture whose final colours a tile computes.
   void set_finished_rect(const SampleTile& at, TileResult& out) const;
-  /// Returns which pixels a tile finishes, and where their samples are in the tile buffer.
+  /// Returns for which pixels a tile computes the final colours, and where their samples are in the tile buffer.
   FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
   /// Returns the indices of the samples in a rectangle of the tile buffer that begins at (x, y).
   LatticeUniforms<float> rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;

@@ -206,8 +206,8 @@ std::uint64_t SupersampleProgram::stored_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// Fills the halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile order.
-/// If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
+/// Fills the halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
+/// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void SupersampleProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
@@ -347,7 +347,7 @@ void SupersampleProgram::chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chu
   }
 }
 
-/// Traces the samples of a chunk's sub-pixels. Their colours begin at `first_sample`.
+/// Traces the samples of a chunk's sub-pixels. The samples' colours are stored from index `first_sample`.
 void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;

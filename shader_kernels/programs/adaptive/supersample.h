@@ -99,7 +99,7 @@ class SupersampleProgram final : public FrameProgram {
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
-    std::uint32_t pixels;  ///< number of pixels that the tile finishes
+    std::uint32_t pixels;  ///< number of pixels whose final colours the tile computes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;

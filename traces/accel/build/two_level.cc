@@ -19,8 +19,9 @@
 namespace traces {
 namespace {
 
-/// Limits for inverting the matrix of an instance: the growth of errors (Placement::growth), and the size of the
-/// inverse's entries. The size limits keep products of two squared entries within single precision in kernels.
+/// Limits up to which the matrix of an instance counts as invertible: the growth of errors (Placement::growth), and the
+/// size of the inverse's entries. The size limits keep products of two squared entries within single precision in
+/// kernels.
 constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
 /// Padding of instance boxes, in machine epsilons; see pad_box().
 constexpr float kPadding = 64;

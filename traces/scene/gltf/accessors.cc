@@ -122,7 +122,7 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
 /// Largest number of elements of an accessor without bytes in the file; such elements are zero.
 constexpr std::size_t kMostZeros = 1 << 20;
 
-/// Returns an accessor after checking its bounds. Takes its decoded size from the memory budget.
+/// Returns an accessor after checking its bounds. Subtracts the accessor's decoded size from the memory budget.
 const tinygltf::Accessor& find_accessor(Context& context, int index, int type, std::size_t bytes_each,
                                         const std::string& what) {
   const tinygltf::Accessor& accessor = context.at(context.model.accessors, index, "accessors");

@@ -40,7 +40,7 @@ class Textures {
                                                                           ///< nearest, sRGB
 };
 
-/// Where a texture takes its coordinates from: a set of the primitive, and KHR_texture_transform.
+/// Where a texture takes its coordinates from: one of the primitive's sets, transformed by KHR_texture_transform.
 struct TexturePlacement {
   int set = 0;
   glm::vec2 offset{0}, scale{1};

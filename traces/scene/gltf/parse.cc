@@ -90,7 +90,8 @@ void set_size_callback(Callbacks& fs) {
   }
 }
 
-/// Returns callbacks that read the source's bytes. All are set: without one, newer releases access the file system.
+/// Returns callbacks that read the source's bytes. All of them are set, because newer releases access the file system
+/// if one is missing.
 tinygltf::FsCallbacks file_callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);
