@@ -18,7 +18,7 @@ namespace kernels {
 template <class V>
 struct RandomPointUniforms {
   F<V> x, y;  ///< point in the unit square of this launch's ray, before the hash shifts it
-  I<V> seed;  ///< hash seed; differs between frames and between effects
+  I<V> seed;  ///< seed of the hash; differs between frames and between effects
   static constexpr void describe(auto& d, auto&& port) {
     port(d.x, "draw.x");
     port(d.y, "draw.y");

@@ -31,7 +31,7 @@ template <class V>
 struct SamplePosition {
   F<V> x, y;         ///< position of the pixel in the picture
   F<V> column, row;  ///< the sample's cell in the sample grid of the pixel
-  F<V> number;       ///< number of the cell in its pixel, row by row
+  F<V> number;       ///< number of the sample's cell in its pixel, row by row
 };
 template <class V>
 SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile) {

@@ -38,7 +38,7 @@ template <class V>
 struct Layer {
   MaterialFields<V> material;
   TexelSample<V> base;
-  VertexColour<V> colour;  ///< interpolated vertex colour; set only if kColoured
+  VertexColour<V> colour;  ///< interpolated vertex colour; only in kColoured variants
   F<V> alpha;
 };
 

@@ -222,7 +222,7 @@ struct Reconstruct {
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
-    Local<V, WordRecord> masters;  ///< listed pixels; like `branch`, used only if kBranch
+    Local<V, WordRecord> masters;  ///< list of pixels; like `branch`, only in kBranch variants
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours, pixels;
     F<V> bend, branch;

@@ -237,7 +237,7 @@ template <class V>
 struct BounceUniforms {
   I<V> way;
   I<V> mirrored, refracted;  ///< first ray slots of mirrored and of refracted rays; straight rays precede them
-  F<V> first;                ///< 1 in the bounce whose normals are recorded, otherwise 0
+  F<V> first;                ///< 1 if normals are recorded in this bounce, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
     port(NAMED(b.mirrored));

@@ -11,9 +11,9 @@ namespace kernels {
 
 /// Which mip levels a texture lookup reads.
 enum class MipFilter : std::uint8_t {
-  kNone,     ///< the full texture; there are no mip maps
-  kNearest,  ///< the level whose texel size is nearest to the footprint's
-  kLinear,   ///< the two nearest levels, blended (trilinear)
+  kNone,     ///< lookups read the full texture; there are no mip maps
+  kNearest,  ///< lookups read the level whose texel size is nearest to the footprint
+  kLinear,   ///< lookups blend the two nearest levels (trilinear)
 };
 
 /// Returns the name of a kernel variant: one of three names, selected by the mip filter kMips.
@@ -26,7 +26,7 @@ constexpr std::string_view name_by_filter(std::string_view none, std::string_vie
 template <class V>
 struct TexelSample {
   FootprintRecord<V> texels;
-  F<V> right, lower;  ///< weights of the right two and of the lower two texels
+  F<V> right, lower;  ///< bilinear weights of the two right texels and of the two lower texels
   /// Returns the bilinear blend of one value of the four texels. `channel` extracts the value from a texel's bits.
   F<V> blend_texels(auto&& channel) const {
     const F<V> upper_left = channel(texels.at00), lower_left = channel(texels.at01);

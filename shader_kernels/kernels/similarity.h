@@ -23,8 +23,8 @@ enum class Check : std::uint8_t {
   kSecondaryObject,
   kSecondaryNormal,
   kSecondaryShadow,
-  kDetail,  ///< the surface cannot be shaded from interpolated attributes
-  kBorder,  ///< a reference sample is outside the picture
+  kDetail,  ///< fails if the surface cannot be shaded from interpolated attributes
+  kBorder,  ///< fails if a reference sample is outside the picture
   kCount
 };
 constexpr std::array<std::string_view, 12> names_of(Check) {

@@ -239,10 +239,10 @@ class Walk {
   RayTriangles<Lanes> triangles_;
   /// The ray in world space, kept while `boxes_` has the space of an instance.
   [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;
-  std::uint32_t instance_ = kNone;  ///< the instance in whose space the ray is, or kNone
+  std::uint32_t instance_ = kNone;  ///< instance into whose space the ray is transformed, or kNone
   std::uint32_t hit_instance_ = kNone;
   std::size_t floor_ = 0;       ///< number of stack entries when the ray entered the instance
-  const bool is_single_sided_;  ///< some triangles of the image have only one face
+  const bool is_single_sided_;  ///< some triangles of the image are single-sided
   const float t_min_;
   float limit_;  ///< end of the ray: t_max, or the distance of the hit found so far
   Hit hit_;

@@ -100,7 +100,7 @@ enum MaterialFlag : std::uint32_t {
   kTextured = 1,        ///< has a base texture that only multiplies the diffuse colour
   kDiffuse = 1U << 1,   ///< scatters light diffusely; with a metal_rough texture each texel decides
   kMirror = 1U << 2,    ///< mirrors light; with a metal_rough texture each texel decides
-  kGlass = 1U << 3,     ///< some light passes through the surface
+  kGlass = 1U << 3,     ///< transmits some light
   kEmissive = 1U << 4,  ///< emits light without a texture
   kVertexed = 1U << 5,  ///< needs vertex records: colours, second texture coordinates or tangents
   kBased = 1U << 6,     ///< has a base texture that kTextured does not cover
@@ -131,7 +131,7 @@ struct MaterialRecord {
   glm::vec3 emission;
   float ior;
   std::uint32_t base_texture;  ///< index of the base texture, or kNoTexture
-  std::uint32_t flags;         ///< bits of MaterialFlag
+  std::uint32_t flags;         ///< material classes and other flags, as bits of MaterialFlag
   float opacity;               ///< alpha of the material; 1 if the material ignores alpha
   float alpha_cutoff;          ///< smallest alpha that is opaque in a kMasked material, otherwise 0
 };

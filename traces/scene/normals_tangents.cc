@@ -262,11 +262,11 @@ class TangentBuilder {
   const Mesh& mesh_;
   const std::vector<glm::vec2>& uvs_;
   std::vector<std::uint32_t> vertex_of_;  ///< for each vertex of the mesh, the first vertex equal to it
-  std::vector<Frame> frames_;             ///< one per triangle
+  std::vector<Frame> frames_;             ///< texture directions of each triangle
   std::vector<std::uint32_t> neighbour_;  ///< for each edge, the triangle across it, or kNone
   std::vector<std::uint32_t> group_of_;   ///< for each corner of a triangle, its tangent group
   std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first tangent group
-  std::vector<glm::vec4> tangents_;       ///< one per group
+  std::vector<glm::vec4> tangents_;       ///< tangent of each group
   std::vector<std::uint32_t> open_;       ///< triangles that the current tangent group has reached
 };
 

@@ -25,7 +25,7 @@ struct Deformation {
   std::vector<glm::vec4> weights;                        ///< weights of those joints; their sum is 1
   std::vector<std::vector<glm::vec3>> target_positions;  ///< for each morph target, the displacements of all vertices
   std::vector<std::vector<glm::vec3>> target_normals;  ///< for each morph target, the changes of all normals, or empty
-  std::uint32_t skin = kNone;                          ///< index in Scene::skins
+  std::uint32_t skin = kNone;                          ///< skin that deforms the mesh, as an index in Scene::skins
 };
 
 /// Vertices and triangles of one glTF primitive, in its own space. `normals` and the other attributes are empty or have
@@ -37,7 +37,7 @@ struct Mesh {
   std::vector<glm::vec3> normals;
   std::vector<glm::vec2> uvs, second_uvs;
   std::vector<glm::vec4> tangents;  ///< xyz along increasing u, w the sign of the bitangent; only with a normal map
-  std::vector<glm::vec4> colours;   ///< linear RGBA, multiplied with the base colour
+  std::vector<glm::vec4> colours;   ///< vertex colours, linear RGBA; they multiply the base colour
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::uint32_t material = 0;
   std::shared_ptr<const Deformation> deformation;  ///< null if the mesh is rigid; a deforming mesh has one instance
@@ -58,7 +58,7 @@ struct Texture {
   enum class Filter : std::uint8_t { kLinear, kNearest };
   std::string name{};
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint32_t> texels{};  ///< R in the lowest byte
+  std::vector<std::uint32_t> texels{};  ///< RGBA words with R in the lowest byte
   bool srgb = true;
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
   Filter filter = Filter::kLinear;

@@ -206,7 +206,7 @@ struct Cursor {
   }
 
   const char* bits;
-  const std::uint64_t end;    ///< number of bits to decode
+  const std::uint64_t end;    ///< number of encoded bits
   const std::uint32_t words;  ///< expected number of output words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;

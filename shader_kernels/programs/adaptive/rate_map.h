@@ -11,7 +11,7 @@ namespace kernels {
 /// frame (Lee et al. 2016, section 3).
 class RateMap {
  public:
-  static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles whose samples were similar
+  static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles whose samples were similar in the previous frame
 
   explicit RateMap(const MultirateConfig& config) : config_(config) {}
 

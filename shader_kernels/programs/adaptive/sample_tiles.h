@@ -19,7 +19,7 @@ std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all);
 
 /// A tile of the picture, in samples.
 struct SampleTile {
-  std::uint32_t index = 0;     ///< number of the tile, row by row
+  std::uint32_t index = 0;     ///< number of the tile, in row order
   std::uint32_t x = 0, y = 0;  ///< position in the picture of the tile's first sample
   std::uint32_t width = 0, height = 0;
   std::uint32_t left = 0, above = 0, above_left = 0;  ///< indices of the neighbouring tiles, if they exist

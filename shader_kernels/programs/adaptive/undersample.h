@@ -34,7 +34,7 @@ class PostCorrection {
   /// Results of tracing a list of suspects, in the order of the list.
   struct Found {
     std::vector<std::uint32_t> identities;
-    std::vector<glm::vec3> colours;  ///< colours, clamped to [0, 1]
+    std::vector<glm::vec3> colours;  ///< colours of the traced samples, clamped to [0, 1]
   };
 
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);

@@ -35,8 +35,8 @@ struct Sampling {
   /// For each tile of the grid, row by row, the fraction of checked samples that passed. Empty if there are no checks.
   std::vector<float> similar;
   std::vector<std::uint8_t> blocks;
-  std::uint32_t tile_side = 0;  ///< side of a tile in samples
-  bool has_rates = false;       ///< block sides may differ from tile to tile
+  std::uint32_t tile_side = 0;  ///< length of a tile's side in samples
+  bool has_rates = false;       ///< the block sides in `blocks` may differ from tile to tile
 
   /// Adds the counts of a tile or frame, except those kept per tile.
   void add(const Sampling& other);
@@ -58,7 +58,7 @@ enum class FilterEdge : std::uint8_t {
   kDepth,
   kNormal,
   kShadow,
-  kReflection,  ///< depth or normal of the hit after a mirror differs
+  kReflection,  ///< the hit after a mirror differs in depth or normal
   kReflectedShadow,
   kRefraction,
   kRefractedShadow,

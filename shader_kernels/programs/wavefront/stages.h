@@ -15,7 +15,7 @@ namespace kernels {
 /// Which geometry reconstruct keeps of a wave's samples, and which rays find it.
 struct VisibleSamples {
   bool are_kept = false;
-  bool are_shaded = true;    ///< false if the samples' hits are found but not shaded
+  bool are_shaded = true;    ///< hits of these samples are shaded, not only found
   bool have_shadows = true;  ///< shadow rays are cast, and blocked ones recorded
   std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< largest number of rays in a path from the eye
   std::uint32_t mirrored = 0, refracted = 0;  ///< offset of the samples of mirrored and refracted rays; 0: none
@@ -52,7 +52,7 @@ struct WaveBounce {
   using Node = TileGraph::Node;
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
-  std::uint32_t lanes = 0, padding = 0;                     ///< arguments of the same name of TileGraph::launch()
+  std::uint32_t lanes = 0, padding = 0;  ///< as the arguments of TileGraph::launch() with these names
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
   std::array<TracedBatch, 3> batches{};
@@ -64,7 +64,7 @@ struct WaveBounce {
   Node fetched = TileGraph::kNone;    ///< node that wrote the surfaces; the next stage waits for it item by item
   Node inspector = TileGraph::kNone;  ///< node that filled the queues that the stages read
   Node colours = TileGraph::kNone;    ///< node that changed base colours by textures, if any
-  Node recorded = TileGraph::kNone;   ///< node that recorded the hits
+  Node recorded = TileGraph::kNone;   ///< node that recorded the hits of the bounce
 };
 
 /// State of a wave that the launches of its stages read.

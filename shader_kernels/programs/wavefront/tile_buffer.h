@@ -45,7 +45,7 @@ struct StageQueues {
   SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for kernels of their other classes
   SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< surfaces by rarer class, from classify_details
   SlotQueue glowing, occluded;                                      ///< surfaces by rarer class, from classify_details
-  SlotQueue layers;                                                 ///< hits to be tested for transparency
+  SlotQueue layers;   ///< ray slots whose hits must be tested for transparency
   SlotQueue targets;  ///< ray slots that receive the hits of continuing rays
   /// Empties all queues of surfaces.
   void clear_surfaces();
@@ -79,13 +79,13 @@ struct CheckRecords {
 
 /// Records that supersample keeps of samples and sub-pixels.
 struct SubpixelRecords {
-  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< compared data of first and secondary hits
+  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< data of first and secondary hits to compare
   std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> verdicts;  ///< results of the tests for active sub-pixels, indexed by sub-pixel
   std::vector<std::uint32_t> active, fills;
   PixelQueue masters;
   std::vector<SubpixelRecord<float>> states;  ///< states of sub-pixels between rounds of propagation
-  std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels
+  std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels, kept for rounds of propagation
 };
 
 /// Records that filters read: those of reconstruct, and of effects at a lower rate.

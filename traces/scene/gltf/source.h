@@ -17,7 +17,7 @@ struct Source {
   std::string shown_name;  ///< name of the file in messages
   std::string bytes;
   bool binary = false;                          ///< the file is a GLB
-  std::size_t json_begin = 0, json_size = 0;    ///< where the JSON is in `bytes`
+  std::size_t json_begin = 0, json_size = 0;    ///< position and size of the JSON in `bytes`
   std::map<std::string, std::string> external;  ///< contents of all URIs, by the keys that replace the URIs in the JSON
   std::vector<std::size_t> lent;                ///< accessors to which make_parsable() has given a buffer view
   std::string sha256;                           ///< hash of the file, or of the digests of all files if it names others
