@@ -109,7 +109,7 @@ struct ShadePhysical {
     const F<V> metal = gloss * metallic;
     const F<V> white = (gloss - metal) * m.dielectric + m.coat;
     const F<V> sum = metal + white;
-    // A mirrored share below 0.02 emits no ray; a sum above 1 is scaled down to conserve energy.
+    // A mirrored fraction below 0.02 emits no ray; a sum above 1 is scaled down to conserve energy.
     const F<V> scale = select(sum < 0.02F, F<V>(0.0F), 1.0F / max(sum, F<V>(1.0F)));
     optics.mirrored = (matte.diffuse * metal + Vec3<V>{white, white, white}) * scale;
     const F<V> left = 1.0F - sum * scale;

@@ -50,8 +50,8 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
     tile.trace_failed(lines, verdict);
   };
 
-  // 1. Trace the reference sample of each block. Exports precede imports that they do not need, so chains of waits stay
-  // short.
+  // 1. Trace the reference sample of each block. Export borders before importing halos, which keeps chains of waiting
+  // tiles short.
   tile.trace_references();
   tile.export_right();
   tile.import_left();

@@ -14,7 +14,8 @@
 namespace traces {
 namespace {
 
-// Tree nodes that Embree's builder callbacks create in Embree's memory; small, because there are as many as triangles.
+// Tree nodes that Embree's builder callbacks create in Embree's memory. They are small, because there may be one per
+// triangle.
 
 struct TreeNode {
   std::uint32_t count = 0;  ///< number of triangles of a leaf; 0 for an inner node
