@@ -43,8 +43,8 @@ struct Rank {
   }
 };
 
-/// State of one nearest-hit query. The filter function receives a pointer to Embree's context, so that must be the
-/// first member.
+/// State of one nearest-hit query. The filter function receives a pointer to Embree's context, so the context must be
+/// the first member.
 struct Query {
   RTCRayQueryContext context;
   const MemoryImage* image = nullptr;

@@ -90,7 +90,7 @@ inline constexpr float kLeastDensity = 0x1p-20F, kMostDensity = 0x1p20F;
 struct VertexRecord {
   glm::vec2 uv[3];             ///< second texture coordinates (Mesh::second_uvs)
   std::uint32_t colour[3][2];  ///< linear RGBA, 16 bits per channel, R lowest
-  std::uint32_t tangent[3];    ///< x, y, z in world space, bitangent's sign; a byte each: 128 + 127 * value, x lowest
+  std::uint32_t tangent[3];    ///< tangent's x (lowest), y, z in world space, bitangent's sign; bytes 128 + 127 * value
   std::uint32_t spare;         ///< pads the record to one line
 };
 static_assert(sizeof(VertexRecord) == 64);

@@ -184,7 +184,7 @@ void check_imports(const TileWork& work) {
 
 // Far above the counts of any tile. They keep sums within 32 bits.
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
-constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< items with accesses, beyond 8 per encoded byte of a tile
+constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses, to which each encoded byte adds 8
 
 enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
 

@@ -303,8 +303,8 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
 
 using traces::Region;
 
-/// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The inner half
-/// is finished by the neighbour, which also needs the other samples.
+/// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The neighbour
+/// computes the final colours of the inner half and also needs its other samples.
 std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
 
 // A tile stores its borders in memory (FinishedTiles), and all attributes if they are kept in DRAM.

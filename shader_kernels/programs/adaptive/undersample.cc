@@ -188,7 +188,7 @@ Verdict UndersampleProgram::launch_check(BlockTile& tile, const BlockLines& line
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
-/// Averages the samples of each pixel. With post-correction it also writes the identities of the samples to memory.
+/// Averages the samples of each pixel. With post-correction, also writes the identity words of the samples to memory.
 void UndersampleProgram::average_pixels(BlockTile& tile) const {
   if (correction_.scan_count() == 0) return tile.average_pixels();
   const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {

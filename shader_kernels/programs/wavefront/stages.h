@@ -103,9 +103,9 @@ enum class Waits : std::uint8_t {
 
 /// Effects of a shading stage on later stages and what they wait for, as bits.
 enum StageEffect : std::uint32_t {
-  kFetches = 1,      ///< the stage writes surfaces, for which the next one waits item by item
-  kFillsQueues = 2,  ///< the stage fills queues, for which later ones wait
-  kBaseColours = 4,  ///< the stage writes base colours, for which stages that read them wait
+  kFetches = 1,      ///< the stage writes surfaces; the next stage waits for it item by item
+  kFillsQueues = 2,  ///< the stage fills queues; later stages wait for it
+  kBaseColours = 4,  ///< the stage writes base colours; stages that read them wait for it
   kAddsColours = 8,
   kCastsRays = 16,          ///< the stage emits shadow or occlusion rays
   kEndsSurfaces = 32,       ///< after the stage all surfaces are known, so that hits are recorded next

@@ -43,7 +43,8 @@ float half_area(const Bounds& b) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
-/// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if it returns a null pointer.
+/// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if Embree returns a null
+/// pointer.
 void* allocate_node(RTCThreadLocalAllocator allocator, std::size_t bytes) {
   void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
   if (memory == nullptr) throw std::bad_alloc();
@@ -116,7 +117,7 @@ void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   }
 }
 
-/// Embree calls this during the build. It throws to end the build, because Embree 3 ignores the return value.
+/// Called by Embree during the build. Throws to end the build, because Embree 3 ignores the return value.
 bool continue_build(void* stop, double) {
   if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
   return true;
