@@ -379,7 +379,7 @@ Json interval_json(const Interval& i, double scale = 1) {
 void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(run);  // not converted from cycles, which are rounded
+  time["estimate"] = time_ms(run);  // exact; the conversion from cycles would round it
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);

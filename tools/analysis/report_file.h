@@ -50,7 +50,7 @@ struct ReportNumber {
   double value = 0;
 };
 
-/// Returns all numbers of a report in file order, followed by unit_sums(). Leaves out `host` and `provenance`, which
+/// Returns all numbers of a report in its order, followed by unit_sums(). Leaves out `host` and `provenance`, which
 /// differ between equal runs, and the confidence intervals of counters. Throws InputError for excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 

@@ -157,7 +157,7 @@ double StoredFrames::estimate_seconds() {
   const double steps = recorded_steps();
   const RunParallelism parallelism{threads_, replicates_};
   HostRate rate = kUsualRate;
-  // A few tiles can be simulated alone only if tiles are independent, as in this program.
+  // Tiles can be simulated alone only if they are independent of each other, as in the program `full`.
   const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
   if (has_free_tiles && may_take_minutes(steps, parallelism)) {
     const Part& first = find_part(false);

@@ -36,7 +36,7 @@ function pictureWords({ picture }) {
   return at(picture, "identical") === true ? "The pictures are identical." : `PSNR of the pictures ${numberAt(picture, "psnr_db").toFixed(2)} dB.`;
 }
 
-/** Returns a sentence that compares two runs. `found`: an entry of `against`; `first`, `second`: names of the runs. */
+/** Returns the verdict on two runs. `found`: an entry of `against`; `first`, `second`: names of the runs. */
 export function diffVerdict(found, first, second) {
   const links = [{ words: "what made the difference", to: "waterfall" }, { words: "keys that differ", to: "keys" }];
   const cycles = at(found, "figures", "cycles"), energy = at(found, "figures", "energy_mj");

@@ -105,7 +105,7 @@ export function scatter(block, data) {
   return figure;
 }
 
-/** Shows the values and the command of the chosen point. */
+/** Returns a box that shows the values and the command of the chosen point. */
 function details(block, data, points) {
   const box = h("div", { class: "details", role: "status" });
   function show() {

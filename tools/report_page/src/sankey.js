@@ -49,7 +49,7 @@ function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, wid
   const total = blocks.reduce((sum, name) => sum + into.get(name), 0);
   const rank = new Map(blocks.map((name, i) => [name, i]));
   const parent = new Map(every.map((l) => [l.target, l.source]));
-  /** Returns the position of a node: blocks by size, their events in the same order, then clock and leakage. */
+  /** Returns the sort key of a node: blocks by size, their events in the same order, then clock and leakage. */
   function order({ name }) {
     if (name in RESTS) return 1e6 + Object.keys(RESTS).indexOf(name);
     if (rank.has(name)) return rank.get(name);

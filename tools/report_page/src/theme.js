@@ -10,7 +10,7 @@ export const choices = [
   { value: "dark", name: "dark" },
 ];
 
-let isPrinting = false;  // paper is light
+let isPrinting = false;  // true: charts are light, like paper
 
 export function isDark() {
   if (isPrinting) return false;

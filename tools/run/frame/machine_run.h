@@ -60,7 +60,7 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
                                            std::span<const MachineVariant> plays, const char* what,
                                            std::uint32_t threads, Progress* progress);
 
-/// The unperturbed simulation of a frame, to which replicates are compared.
+/// Result of the unperturbed simulation of a frame, and data that its replicates reuse.
 struct UnperturbedRun {
   const FrameResult& result;
   std::shared_ptr<const hw::ScheduledKernels> scheduled;
