@@ -138,9 +138,8 @@ struct IntervalTable {
 /// Computes the figures of a frame over time. `side`: selects the low, nominal or high energies. Intervals are first
 /// merged to at most `max_intervals`.
 ///
-/// The energy of an interval is the difference of the cumulative energies at its end and its start, which are computed
-/// from cumulative counters like totals.energy_mj. The last cumulative energy equals the frame's energy to the last
-/// bit.
+/// The energy of an interval is the difference of the cumulative energies at its end and its start. These are computed
+/// from cumulative counters, like totals.energy_mj. The last one equals the frame's energy to the last bit.
 IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame,
                            sim::BandMember side = &sim::Band::nominal,
                            std::size_t max_intervals = sim::Intervals::kMost);

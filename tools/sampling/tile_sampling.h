@@ -46,8 +46,8 @@ struct SamplePart {
 ///
 /// 1. The rate (quantity per size) is modelled as linear in the traits per size, fitted by ridge regression and
 /// evaluated at the whole's traits: a calibration estimator (Deville and Särndal, JASA 1992).
-/// 2. It is linear in the observations, so one weight per part serves every quantity, and sums of quantities stay
-/// consistent.
+/// 2. The estimate is linear in the observations. So one weight per part serves every quantity, and sums of quantities
+///    stay consistent.
 class SampleWeights {
  public:
   /// `ridge`: penalty of the ridge regression. 0 is ordinary least squares; a large penalty moves the fitted rate

@@ -22,10 +22,10 @@ struct HeatMap {
 
 /// Returns the heat maps of a frame with itemised costs, summed over all passes; none for a replay, which has no
 /// picture.
-///   `cycles`: of the pixel's tile, from dispatch to end
-///   `srp-cycles`: of the pixel's tile, on the array of its shader core
-///   `rays`, `steps`, `tests`: of the pixel
-///   `energy`: nominal energy of the pixel's tile, shared equally by its pixels
+/// - `cycles`: T&I cycles of the pixel's tile, from dispatch to end
+/// - `srp-cycles`: cycles of the pixel's tile on the array of its shader core
+/// - `rays`, `steps`, `tests`: counts of the pixel
+/// - `energy`: nominal energy of the pixel's tile, shared equally by its pixels
 std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std::uint32_t width, std::uint32_t height);
 
 /// A heat map in colours from 0 to the largest value, above a colour bar with a label.

@@ -30,8 +30,8 @@ struct TileEnergy {
 ///
 /// 1. The energy of a core's counter is shared by that core's tiles, the energy of a shared unit's counter by all
 ///    tiles.
-/// 2. Each tile pays in proportion to its counted part: rays, visits, tests, operations of its kernels, lines
-///    requested, hits, misses, bursts.
+/// 2. These tiles share it in proportion to the counts of each tile: rays, visits, tests, operations of its kernels,
+///    lines requested, hits, misses, bursts.
 /// 3. Where there is no count by tile, the nearest quantity is used: visits or tests for L1 hits, requested lines for
 ///    L1 misses and fills, array cycles for configuration words.
 /// 4. A line is charged to the tile that requested it, even if others read it later.

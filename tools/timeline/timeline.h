@@ -116,9 +116,9 @@ struct Timeline {
 ///
 /// 1. Each core is a process with tracks for its shader core, for overlapping batches of rays, for its DMA and for each
 ///    tile slot. One more process, `shared`, has the counters of L2, memory and power.
-/// 2. A flow connects each tile's slices.
-/// 3. If the file would exceed `most_bytes`, slices of the first selected tiles have priority; if all tiles are
-///    selected, the earliest slices have.
+/// 2. A flow connects the slices of each tile.
+/// 3. If the file would exceed `most_bytes`, slices are left out, those of the last selected tiles first. If all tiles
+///    are selected, the latest slices are left out.
 Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const FrameResult& s,
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes = kMostTimelineBytes);
 

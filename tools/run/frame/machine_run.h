@@ -48,7 +48,7 @@ struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
   std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
-  /// contents of its caches at the start; null: by frame.start of `config`
+  /// Contents of its caches at the start; null: by frame.start of `config`.
   std::shared_ptr<const hw::CacheContents> start{};
 };
 

@@ -158,10 +158,10 @@ struct SimulateOptions {
   kernels::FrameProgram* previous = nullptr;
 };
 
-/// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are
-/// empty at the start of the frame. With frame.start warm they contain what the previous frame left (`extras.caches`),
-/// or what the last tiles of this frame leave. An interrupted run that keeps a part has no replicates. Throws
-/// sim::Deadlock, and Interrupted if nothing is kept.
+/// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead.
+/// Caches are empty at the start of the frame. With frame.start warm they contain what the previous frame left
+/// (`extras.caches`), or what the last tiles of this frame leave.
+/// An interrupted run that keeps a part has no replicates. Throws sim::Deadlock, and Interrupted if nothing is kept.
 FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                            const SimulateOptions& extras = {});
 

@@ -8,7 +8,8 @@ namespace tools {
 /// Thermal governor of a device: lowers the clock of the chip in steps when die or body become too hot, and raises it
 /// again when both have cooled.
 ///
-/// The body's temperature is extrapolated over `lookahead`, at its rate since the last decision.
+/// A decision extrapolates the body's temperature over the time `lookahead`, at its rate of change since the last
+/// decision:
 /// 1. The die is above its limit and has not cooled since, or the body would pass its limit: one step slower.
 /// 2. Else, both would stay at least `hysteresis` below their limits: one step faster.
 /// 3. Else: the same clock.
