@@ -5,14 +5,15 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 script=tools/$(basename "$0")
 logs=$root/build/logs
 install=yes
-packages=()  # in addition to tools/packages.txt
+packages=()  # packages to install in addition to tools/packages.txt
 
 fail() {
   echo "$script: $*" >&2
   exit 1
 }
 
-# step NAME COMMAND...: runs the command with its output in a log file; names the file if the command fails.
+# step NAME COMMAND...: runs a command with its output in a log file. If the command fails, prints the name of that
+# file.
 step() {
   local name=$1 log
   shift
@@ -24,7 +25,8 @@ step() {
 
 exec 3>&2
 
-# with_progress COMMAND...: runs ninja and prints its progress, in place on a terminal, else every ten seconds.
+# with_progress COMMAND...: runs a ninja command and prints its progress: in place on a terminal, else every ten
+# seconds.
 with_progress() {
   "$@" 2>&1 | {
     local line next=0 of='^\[([0-9]+)/([0-9]+)\]'
@@ -48,7 +50,7 @@ missing_packages() {
   { sed 's/#.*//' "$root/tools/packages.txt"; printf '%s\n' "${packages[@]}"; } | while read -r package; do
     package=${package%% *}
     [ -n "$package" ] || continue
-    case $package in  # a newer node from elsewhere conflicts with Debian's npm, and suffices
+    case $package in  # a node that is not from Debian conflicts with Debian's npm, and is sufficient
       nodejs | npm) ! command -v node >/dev/null || ! command -v npm >/dev/null || continue ;;
     esac
     status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=missing
@@ -56,19 +58,20 @@ missing_packages() {
   done
 }
 
-# True if sudo works; on a terminal it may ask for a password.
+# True if sudo works. On a terminal it may prompt for a password.
 can_sudo() {
   command -v sudo >/dev/null || return 1
   sudo -n true 2>/dev/null || { [ -t 2 ] && sudo -v; }
 }
 
-# A failed update is ignored: existing lists may suffice. RUNLEVEL=1 keeps packages from starting daemons.
+# A failed update of package lists is ignored, because existing lists may be sufficient. RUNLEVEL=1 keeps packages from
+# starting daemons.
 apt_install() {
   "${become_root[@]}" apt-get update
   "${become_root[@]}" env RUNLEVEL=1 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs missing packages of tools/packages.txt and `packages`; silent if none is missing.
+# Installs missing packages of tools/packages.txt and of the array `packages`. Prints nothing if none is missing.
 install_packages() {
   local missing
   [ "$install" = yes ] || return 0
@@ -95,14 +98,14 @@ build() {
   [ $# -eq 0 ] || shift
   cd "$root" || fail "cannot enter $root"
   step "configure $preset" cmake --preset "$preset" "${options[@]}"
-  # ccache takes objects that were compiled without -Werror, and prints their warnings again.
+  # ccache may return objects that were compiled without -Werror; it then prints their warnings again.
   local -x CCACHE_IGNOREOPTIONS=-Werror
   local TIMEFORMAT="$script: the build took %0U user + %0S system CPU-seconds"
   time step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }
 
-# install_npm_packages NAME PINNED PRESET: installs the packages pinned in the folder PINNED into the build tree's folder
-# NAME, unless they are installed.
+# install_npm_packages NAME PINNED PRESET: installs the npm packages listed in the folder PINNED into folder NAME of the
+# build tree of PRESET, if they are missing.
 install_npm_packages() {
   local pinned=$root/$2 folder=$root/build/$3/$1
   [ "$install" = yes ] || return 0
@@ -112,7 +115,8 @@ install_npm_packages() {
   cp "$pinned/package-lock.json" "$folder/installed.json"
 }
 
-# Installs the glTF validator and the browser driver, pinned next to their tests, into the build tree of PRESET.
+# Installs the glTF validator and the browser driver into the build tree of PRESET. Their versions are listed next to
+# their tests.
 install_test_packages() {
   install_npm_packages gltf_validator tests/tools/gltf_validator "$1"
   install_npm_packages page_tests tests/page "$1"

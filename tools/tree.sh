@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # Minimal Debian trees for chroot; sourced after lib.sh.
 
-# Prints this machine's apt sources of the release $1 as "URL suite component" lines; without any, the release on the
+# Prints this machine's apt sources for the release $1 as lines "URL suite component". If there are none, prints a
 # mirror of another release.
 apt_sources() {
   local all
@@ -25,7 +25,7 @@ in_tree() {
     NODE_EXTRA_CA_CERTS=/etc/ssl/certs/ca-certificates.crt "$@"
 }
 
-# make_tree RELEASE [MIRROR]: makes a tree and sets `tree`; removed at the end of this shell.
+# make_tree RELEASE [MIRROR]: makes a Debian tree and sets `tree` to its folder. It is removed when this shell ends.
 make_tree() {
   local mirror=${2:-} sources
   [ "$(id -u)" = 0 ] || fail "a tree of Debian needs root"
@@ -39,14 +39,15 @@ make_tree() {
   fi
 
   tree=$(mktemp -d "${TMPDIR:-/tmp}/raywatt-fresh.XXXXXX")
-  chmod 755 "$tree"  # for users other than root
+  chmod 755 "$tree"  # readable for users other than root
   trap remove_tree EXIT
   trap 'exit 130' INT
   trap 'exit 143' TERM
   step "make a minimal tree of $1" debootstrap --variant=minbase "$1" "$tree" "$mirror"
   awk '{ print "deb", $0 }' <<<"$sources" >"$tree/etc/apt/sources.list"
   apt-config dump | grep '^Acquire::[a-z]*::Proxy' >"$tree/etc/apt/apt.conf.d/90proxy" || true
-  # Certificates that this machine trusts in addition to Debian's, as a proxy's; ca-certificates installs them.
+  # Copies certificates that this machine trusts in addition to Debian's, e.g. of a proxy. ca-certificates installs
+  # them.
   mkdir -p "$tree/usr/local/share/ca-certificates"
   cp /usr/local/share/ca-certificates/*.crt "$tree/usr/local/share/ca-certificates" 2>/dev/null || true
   mountpoint -q "$tree/proc" || mount -t proc proc "$tree/proc" || fail "cannot mount $tree/proc"

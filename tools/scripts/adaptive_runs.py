@@ -1,4 +1,4 @@
-"""Runs of adaptive frame programs against full:1, for scripts that measure their gains."""
+"""Runs adaptive frame programs and full:1, for scripts that compare them."""
 import json
 import pathlib
 import subprocess
@@ -9,7 +9,7 @@ RAYWATT = str(ROOT / "build/release/tools/raywatt")
 
 
 def totals_of(raywatt, scene, program, resolution, sets, config="sgrt-2016"):
-    """`totals` of the report, with the scene's strongest light, on one thread."""
+    """Runs a frame on one thread, with only the scene's strongest light, and returns `totals` of its report."""
     with tempfile.TemporaryDirectory() as work:
         command = [raywatt, "run", config, "--scene", scene, "--program", program, "--reference", "full:1",
                    "--resolution", resolution, "--threads", "1", "--quiet", "-o", f"{work}/out"]
@@ -20,5 +20,5 @@ def totals_of(raywatt, scene, program, resolution, sets, config="sgrt-2016"):
 
 
 def full_rate(totals):
-    """Mrays/s of full:1."""
+    """Returns the ray rate of full:1 in Mrays/s."""
     return totals["perf"]["mrays_per_s"] / totals["relative"]["speedup"] / totals["relative"]["rays"]

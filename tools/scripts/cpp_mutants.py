@@ -48,7 +48,7 @@ class Mutant:
 
 @dataclass
 class Scope:
-    """Scope of a brace: file, namespace, class, enum, or function with its blocks."""
+    """Scope of a pair of braces: file, namespace, class, enum, or function with its blocks."""
 
     kind: str
     function: str = ""
@@ -56,7 +56,7 @@ class Scope:
 
 
 def scope_of(statement, outer):
-    """Scope that `{` opens after the tokens of a statement."""
+    """Returns the scope that `{` opens after the tokens of a statement."""
     words = [text for _, text, _ in statement]
     if outer.kind == "function" or outer.quiet:
         return Scope("function", outer.function, outer.quiet)
@@ -79,7 +79,7 @@ def tokens_of(source):
 
 
 def closing(tokens, opened):
-    """Index of the bracket that closes the one at `opened`."""
+    """Returns the index of the bracket that closes the bracket at `opened`."""
     depth = 0
     for index in range(opened, len(tokens)):
         depth += (tokens[index][1] == "(") - (tokens[index][1] == ")")
@@ -94,7 +94,7 @@ def is_quiet(tokens, index):
 
 
 def end_of_quiet(tokens, index):
-    """Index of the last token of a quiet call or template head."""
+    """Returns the index of the last token of a template head or of a call that has no effect on results."""
     last = (">",) if tokens[index][1] == "template" else ("(", ";")
     while tokens[index][1] not in last:
         index += 1
@@ -102,7 +102,7 @@ def end_of_quiet(tokens, index):
 
 
 def is_plain_default(statement):
-    """True if the statement in a class is the default of a plain member."""
+    """True if the statement in a class is the default value of a plain member."""
     words = [text for _, text, _ in statement]
     if not words or {"static", "constexpr", "("} & set(words):
         return False
@@ -111,7 +111,7 @@ def is_plain_default(statement):
 
 
 def changes(source, tokens, index):
-    """Kind, first and last token and replacement of every change that begins with a token."""
+    """Yields all changes that begin with a token: kind, first and last token, and replacement."""
     kind, text, begin = tokens[index]
     before = tokens[index - 1][1] if index else ""
     after = tokens[index + 1][1] if index + 1 < len(tokens) else ""
@@ -133,7 +133,7 @@ def changes(source, tokens, index):
 
 
 def mutants(path, source):
-    """All mutants of a file, in source order."""
+    """Returns all mutants of a file in source order."""
     tokens = list(tokens_of(source))
     scopes = [Scope("file")]
     statement = []
