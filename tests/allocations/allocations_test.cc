@@ -32,7 +32,7 @@ namespace test {
 namespace {
 
 constexpr std::uint32_t kTimes = 6, kWidth = 192, kHeight = 96, kTile = 16;
-/// More tiles than a machine and all worker threads ever hold at once.
+/// Number of tiles in the list: more than a machine and all worker threads ever hold at once.
 constexpr std::uint32_t kInMachine = 24, kOfWorker = 8;
 
 enum Half : std::uint8_t { kTiming, kFunction };
@@ -180,7 +180,7 @@ struct Case {
   traces::BvhConfig bvh{};
   std::uint32_t workers = 0;
   File trace = File::kNone;
-  std::uint64_t rays_an_allocation = 0;  ///< lower bound of rays per allocation; 0: no allocations
+  std::uint64_t rays_an_allocation = 0;  ///< minimum rays per allocation; 0: no allocation is allowed
   bool has_late_tiles = false;  ///< more tiles than before are in flight late in the frame, and their nodes need room
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };

@@ -117,7 +117,7 @@ TEST(FullProgram, AConstantSceneIsTheSameWithFourSamples) {
 
 TEST(FullProgram, PackedPixelsAreTheEncodedLinearOnes) {
   traces::Scene scene = empty_scene();
-  scene.background = {0.2159F, 1.5F, 0};  // 0.5, above 1 and 0 in sRGB
+  scene.background = {0.2159F, 1.5F, 0};  // in sRGB: 0.5, above 1, and 0
   add_wall(scene, -100, 1, {});
   const traces::MemoryImage image = traces::build_memory_image(scene);
   const traces::BvhTracer tracer(image);

@@ -18,27 +18,27 @@ namespace {
 //   interpolate     3 mul 2 add (and 2 sub, once, for the weights)
 //   has             and, compare; look_up: has, 2 select, sample
 //   sample          2 neighbours (max min, mul floor mul sub, sub min, mul sub, floor, add, add, 2 compare, 2 select,
-//                   sub, 2 to_int, sub); shift, add; 2 shift, 2 or          14 add  6 mul 10 other 4 compare 4 select 6
-//                   integer 4 convert
+//                   sub, 2 to_int, sub); shift, add; 2 shift, 2 or          14 add  6 mul 10 other 4 compare 4 select
+//                                                                           6 integer 4 convert
 //   linear          3 (sub, mul, add), 4 (to_float, mul); 4 integer (red, alpha) or 8: 6 add 7 mul 4 convert
 //   colour          3 of (3 (sub, mul, add), 4 loads); 4 + 8 + 8 integer    18 add  9 mul 20 integer 12 local loads
 //   vertex_colour   4 of (3 (integer, to_float), interpolate, mul)          8 add 16 mul 12 integer 12 convert
 //   decay           mul, 4 (mul, add), div, 4 mul                           4 add  9 mul 1 div_sqrt
-//   fetch_layer     and; weights, 2 interpolate; compare, select; sample, linear; mul 26 add 20 mul 10 other 5 compare
-//                                            5 select 11 integer 8 convert with colours  has; 2 interpolate, 2 select;
-//                                            vertex_colour; mul
+//   fetch_layer     and; weights, 2 interpolate; compare, select; sample, linear; mul
+//                                            26 add 20 mul 10 other 5 compare 5 select 11 integer 8 convert
+//     with colours  has; 2 interpolate, 2 select; vertex_colour; mul
 //   emit_primary_ray    2 scale, 2 vector add, normalised; 3 store             8 add 12 mul 2 div_sqrt 1 other
-//   diffuse_light   scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; mul mul sub max; 4
-//                   mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
+//   diffuse_light   scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; mul mul sub max;
+//                   4 mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
 //   encoded         3 sqrt, 3 mul add sub, compare, mul, select            2 add  4 mul 3 div_sqrt 1 compare 1 select
 //   clamped         max, min                                               2 other
 //   lattice_sample  to_float, div_mod; 2 (mul, add); to_int                 4 add  4 mul 1 other 2 convert
 //   sample_neighbours  to_float, 2 div_mod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
-//                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer 5
-//                   convert
+//                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer
+//                                                                           5 convert
 //   write_verdict   select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
-//   passed          and; shift, to_float, add; to_float; mul, sub, to_int; mul, add, to_int; mul 3 add  3 mul 2 integer
-//                                                                           4 convert
+//   passed          and; shift, to_float, add; to_float; mul, sub, to_int; mul, add, to_int; mul
+//                                                                           3 add  3 mul 2 integer 4 convert
 //   lerp           sub, mul, add; of vectors three times that
 //   lerp_colours   6 clamped, lerp                                       6 add  3 mul 12 other
 //   lerp_geometry  2 lerp, normalised                                    14 add 12 mul 2 div_sqrt 1 other
@@ -47,8 +47,8 @@ namespace {
 //   object_of       and, compare, select, or                               1 compare 1 select 2 integer
 //   add_samples     compare; 3 (select, clamped, add); to_int; 3 mul       3 add  3 mul 6 other 1 compare 3 select
 //   go_on           next; mul, dot, sqrt, div; mul, 2 add                   4 add  5 mul 2 div_sqrt
-//   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul; 4 mul 3 sub
-//                   10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
+//   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul;
+//                   4 mul 3 sub              10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
 //
 //   generate_rays             to_float, 3 div_mod, 2 add, 2 (2 add, mul), emit_primary_ray
 //   generate_jittered_rays    the same with 2 (shift, to_float, mul) for 0.5; 2 to_int, mul, add; xor; 3 scrambled;
@@ -57,15 +57,15 @@ namespace {
 //   shade_background          3 mul, add_light
 //   classify_layers           2 compare, and, next
 //   test_alpha                fetch_layer; has, select, compare; go_on (of the vertex colour, alpha alone)
-//   test_shadow               fetch_layer; compare, select; has, select; colour, 3 mul; sub; mul, scale, vector add; 3
-//                             mul; 2 max, compare; go_on; with colours 3 mul more
+//   test_shadow               fetch_layer; compare, select; has, select; colour, 3 mul; sub; mul, scale, vector add;
+//                             3 mul; 2 max, compare; go_on; with colours 3 mul more
 //   scatter_layers            2 compare, and, next
 //   shade_surface             and; weights; interpolate of vectors, normalised; dot, compare, select; scale; vector
 //                             add; 2 scale; 2 interpolate
 //   classify_details          8 (has, next)
 //   absorb                    neg, max, mul; scale; 3 decay; 3 mul
-//   fetch_vertices            and; weights; vertex_colour; 7 mul; 4 (interpolate, 3 to_float, sub, mul) with 3 (1 + 2 +
-//                             2 + 1) integer; 2 interpolate
+//   fetch_vertices            and; weights; vertex_colour; 7 mul; 4 (interpolate, 3 to_float, sub, mul) with
+//                             3 (1 + 2 + 2 + 1) integer; 2 interpolate
 //   shade_base                look_up, colour, 6 mul, linear, mul
 //   shade_physical            look_up, 2 linear; mul sub mul max min; mul; mul; sub mul add; add; compare, max, div,
 //                             select; 2 scale, vector add; mul sub; sub mul, scale; mul; 2 (2 max, compare, select), 2
@@ -82,9 +82,10 @@ namespace {
 //   shade_diffuse             diffuse_light; 2 max, compare, next; mul, sub
 //   combine_shadow            compare, 3 select, add_light
 //   shade_straight            sub; scale; 2 max, compare, next
-//   shade_mirror              interface; mul; vector add; mul, scale, vector add; 3 mul; 2 max, compare, next
-//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale, 3 mul; 2 max,
+//   shade_mirror              interface; mul; vector add; mul, scale, vector add; 3 mul; 2 max,
 //                             compare, next
+//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale, 3 mul;
+//                             2 max, compare, next
 //   average_colour            to_float, div_mod, add_samples
 //   pack_colour               3 (clamped, encoded, mul, add, to_int); 2 shift, 3 or
 //
@@ -94,21 +95,25 @@ namespace {
 //   record_surface            and; 2 vector sub, cross 6 mul 3 sub; dot, compare, select; object_of; normalised, scale
 //   record_secondary          and; 5 compare, 2 and, 2 select; 2 vectors of select; xor, shift, xor, scrambled, add
 //   record_shadow             compare, select, add
-//   check_similarity          sample_neighbours; 3 fails, dot; 2 or; write_verdict with secondary hits     3 fails, 2
-//     dot, min; 3 or more with textures           6 (clamped, encoded), vector sub, dot; and, 3 compare, 3 and; select,
-//     or; select, compare, next more
-//   interpolate_x             passed, lerp_colours, lerp_geometry with secondary hits     2 (lerp, normalised) more
+//   check_similarity          sample_neighbours; 3 fails, dot; 2 or; write_verdict
+//     with secondary hits     3 fails, 2 dot, min; 3 or more
+//     with textures           6 (clamped, encoded), vector sub, dot; and, 3 compare, 3 and; select, or; select,
+//     compare,
+//                             next more
+//   interpolate_x             passed, lerp_colours, lerp_geometry
+//     with secondary hits     2 (lerp, normalised) more
 //   interpolate_y             passed, lerp_colours
 //   average_samples           to_float, 3 div_mod; 3 mul, 4 add, to_int; add_samples
 //   record_local_after, record_global   vector add or sub
-//   check_attributes          sample_neighbours; vector sub, dot; 2 dot, neg, mul; 2 wraps, or; 6 (clamped, encoded),
-//                             vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7 or; write_verdict
+//   check_attributes          sample_neighbours; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
+//                             6 (clamped, encoded), vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7
+//                             or; write_verdict
 //   interpolate_attributes_y  passed, lerp_geometry; lerp of 2 vectors and 2 numbers
 //   interpolate_attributes_x  the same, and one more vector, normalised
 //   classify_occluded         has, next
 //   shade_visible             diffuse_light; and, compare; 2 max, compare; 2 vectors of select; add_light
-//   store_identities          lattice_sample; and; 2 (compare, select); or with shadows            2 scrambled, xor
-//     more
+//   store_identities          lattice_sample; and; 2 (compare, select); or
+//     with shadows            2 scrambled, xor more
 //   find_suspects_4           sub, xor, and, compare, and, select; and, 2 compare, and; next
 //   find_suspects_8           2 (2 add or sub; xor, and, compare, and, select; or) more
 //
@@ -125,23 +130,26 @@ namespace {
 //   record_branch             and; object_of; largest, compare; 4 select; position_sum, select
 //   record_branch_shadow      compare; position_sum, compare; 2 select, add
 //   test_subpixels            shift, to_float, div_mod; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
-//                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select; 2
-//                             or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,
+//                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select;
+//                             2 or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,
 //                             compare, select, min); compare, select; 3 contrast, 3 (mul, compare), 2 or; 2 select, or
 //   weigh_centres             to_float, div_mod; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
 //                             to_float, mul, sub; scale
 //   weigh_centres_bilinear    to_float, div_mod; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3
-//   to_int; 3 clamped; add, active_bit, to_float, mul, sub; 3 scale, 4 vector add)
+//   to_int;
+//                             3 clamped; add, active_bit, to_float, mul, sub; 3 scale, 4 vector add)
 //   pack_subpixels            shift, to_float, div_mod; mul, and, to_float, add; mul, shift, and, to_float, add; 2
-//   compare, and; mul, add, to_int; shift; 4 (add, active_bit, select), 3 add; to_float; mul, floor; mul, sub, add,
-//                             compare, select, add; mul, max; add; to_int; 3 add, 4 (2 add, compare, shift, or,
-//                             select); compare, next, select, add; to_int, mul, sub, to_int, shift, or
+//   compare,
+//                             and; mul, add, to_int; shift; 4 (add, active_bit, select), 3 add; to_float; mul, floor;
+//                             mul, sub, add, compare, select, add; mul, max; add; to_int; 3 add, 4 (2 add, compare,
+//                             shift, or, select); compare, next, select, add; to_int, mul, sub, to_int, shift, or
 //   pack_subpixels_atomic     add, compare, sub, select; to_int; active_bit; add; compare, shift, or, select
 //   generate_extra_rays       shift, shift, to_float, div_mod; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul,
-//   add; shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add, mul, add), 2 scale, 2
-//                             vector add, normalised
-//   state_index        shift, to_float, div_mod; 3 and, shift; 2 (add, to_float, add); add, mul, add 8 add  3 mul 1
-//                                                                           other 4 integer 3 convert
+//   add;
+//                             shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add,
+//                             mul, add), 2 scale, 2 vector add, normalised
+//   state_index        shift, to_float, div_mod; 3 and, shift; 2 (add, to_float, add); add, mul, add
+//                                                                           8 add  3 mul 1 other 4 integer 3 convert
 //   pack_state      3 (encoded, mul, add, to_int); shift, 2 or              9 add 15 mul 9 div_sqrt 3 compare 3 select
 //                                                                           3 integer 3 convert
 //   unpack_channels     2 and, shift, 3 to_float
@@ -152,8 +160,10 @@ namespace {
 //   settle_subpixels          shift, to_float, add, to_int; 4 add, clamped; 3 vector add, scale; and, shift, or;
 //                             state_index, to_int; pack_state
 //   propagate_subpixels       state_index, to_int; unpack_channels; 4 (add, to_int; 2 shift, compare; unpack_channels;
-//   2 vectors of select, 3 min, 3 max; shift, and, select, or); 9 (and, compare, select, min); 3 (2 mul, 2 add, max,
-//                             compare), 2 or; shift, compare, and; next; shift, to_float, compare, and, select; next
+//   2 vectors of
+//                             select, 3 min, 3 max; shift, and, select, or); 9 (and, compare, select, min); 3 (2 mul, 2
+//                             add, max, compare), 2 or; shift, compare, and; next; shift, to_float, compare, and,
+//                             select; next
 //   average_subpixels         to_float, div_mod; to_int; shift, and, or; add_samples
 //   sum_subpixels             shift; 2 (and, and, or) with 3 shift; shift, or; active_bit, compare; shift, shift, or;
 //                             to_float, add, to_int; and, compare; 3 (max, min, 3 select, add, mul, add)

@@ -15,7 +15,7 @@
 namespace kernels {
 namespace {
 
-constexpr std::uint32_t kSide = 48;  // in pixels
+constexpr std::uint32_t kSide = 48;  // side of the picture in pixels
 constexpr std::uint32_t kRods = 60;
 
 /// Returns a red rod before a blue wall, at a random position and angle.
@@ -149,7 +149,7 @@ TEST(PostCorrection, ItsChangesAreTracedAndCounted) {
 
 TEST(PostCorrection, PixelsOfManySamplesAreAveragedAgain) {
   for (std::uint32_t seed = 0; seed < 10; ++seed) {
-    const Stage rod = rod_of(seed, 0.75F);  // 1.5 samples
+    const Stage rod = rod_of(seed, 0.75F);  // the rod is 1.5 samples thick
     UndersampleConfig config = scanning(Correction::kFour);
     const Sampled pixels = rod.undersample(small(2 * kSide, 2 * kSide), config);
     config.samples = 4;

@@ -144,7 +144,7 @@ TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
   const auto missing = status()["missing"].get<std::size_t>();
   const Ending ended = raywatt(on_slurm({"--wait"}));
   EXPECT_EQ(ended.exit, 1) << ended.err << ended.out;
-  EXPECT_SAYS(ended.out, " 1 failed\n");  // and none is missing
+  EXPECT_SAYS(ended.out, " 1 failed\n");  // no point is missing
   std::size_t handed_in = 0;
   for (int k = 4; fs::exists(out / ("submit-" + std::to_string(k) + ".txt")); ++k) {
     for (const std::string& id : in_list("submit-" + std::to_string(k) + ".txt")) {

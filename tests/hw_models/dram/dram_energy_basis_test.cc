@@ -38,7 +38,7 @@ sim::Band operator*(const Derating& d, const sim::Band& maximum) {
 /// Properties of a grade's interface that are not of the DRAM die.
 struct Pins {
   const char* file;
-  sim::Band vdd2;          ///< V, for low, nominal and high
+  sim::Band vdd2;          ///< VDD2 in V, for low, nominal and high energy
   double vddq_standby_mw;  ///< of all pins of a rank
   double vddq_down_mw;
   double moved = 1;  ///< bits that a burst moves for each bit of data
@@ -115,7 +115,7 @@ TEST_P(EnergyBasis, IsThatOf4GiBWith64DataLinesOr48OfLpddr6) {
 
 /// Energies of the whole memory, to compare grades of different channel widths.
 struct Cost {
-  double streamed, random, idle_per_bit;  ///< pJ/bit
+  double streamed, random, idle_per_bit;  ///< energies in pJ/bit
   double idle_mw;
 };
 Cost cost_of(const Pins& pins) {

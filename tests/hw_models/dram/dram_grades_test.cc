@@ -12,7 +12,7 @@ namespace {
 
 struct Grade {
   const char* file;
-  double channel_gbps;  ///< peak bandwidth
+  double channel_gbps;  ///< peak bandwidth of a channel
 };
 
 class DramGrades : public testing::TestWithParam<Grade> {

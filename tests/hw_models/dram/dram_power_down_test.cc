@@ -8,7 +8,7 @@ namespace {
 
 TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
   for (const std::uint32_t ranks : {1U, 2U}) {
-    constexpr std::uint64_t kEnd = 10'000;  // when the answer is taken, which ends the run
+    constexpr std::uint64_t kEnd = 10'000;  // cycle in which the answer is taken, which ends the run
     const DramConfig c = with([&](DramConfig& d) {
       d.controller.power_down = true;
       d.organisation.ranks = ranks;

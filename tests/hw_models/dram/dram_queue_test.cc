@@ -11,7 +11,7 @@ DramQueue::Entry entry(std::uint32_t bank, std::uint32_t row) {
   return e;
 }
 
-/// Requests for rows 10 and 11 of bank 3, where row 10 is open, and for a closed row of bank 31.
+/// A queue with requests for rows 10 and 11 of bank 3, whose row 10 is open, and for a closed row of bank 31.
 DramQueue four() {
   DramQueue queue(4, 32);
   queue.push(entry(3, 10), true);

@@ -12,7 +12,7 @@ GpuConfig machine(std::uint32_t cores) {
   return config;
 }
 
-/// The whole memory side: cores with cache clients and a DMA client, L2 banks, DRAM channels.
+/// Test harness for the whole memory system: cores with cache clients and a DMA client, L2 banks, DRAM channels.
 struct MemorySide {
   static constexpr std::size_t kClients = 3;
 

@@ -25,11 +25,11 @@ namespace {
 using test::Frame;
 using test::play;
 
-constexpr double kSlower = 1;  ///< percent
+constexpr double kSlower = 1;  ///< maximum slow-down in percent
 
 struct Sample {
   std::string_view scene;
-  std::uint64_t machines;  ///< number of machines without RAYWATT_MONOTONE
+  std::uint64_t machines;  ///< number of machines to test by default
 };
 
 double slower(sim::Time base, sim::Time improved) {

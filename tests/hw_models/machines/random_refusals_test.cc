@@ -20,7 +20,7 @@ namespace {
 /// A rule of a struct's check(), and a change that violates it on any valid machine without violating an earlier rule.
 struct Break {
   std::string_view key;      ///< key of the error
-  std::string_view problem;  ///< part of the message
+  std::string_view problem;  ///< text that the error message contains
   void (*apply)(GpuConfig& c);
 };
 

@@ -121,7 +121,7 @@ TEST(SystemCacheAndBackground, AreTheSameInEveryEngine) {
       GpuConfig config = with_cache(kib * 1024);
       config.background.rate = rate;
       config.background.pattern = kib == 16 ? BackgroundPattern::kRandom : BackgroundPattern::kSequential;
-      config.direct_interface.enabled = kib != 16;  // rays through memory: writes
+      config.direct_interface.enabled = kib != 16;  // rays then go through memory, which causes writes
       const Outcome fast = play(frame, config);
       EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "") << kib << " KiB, " << rate << " GB/s";
       for (const std::uint64_t seed : {1U, 2U}) {

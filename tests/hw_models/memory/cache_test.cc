@@ -132,7 +132,7 @@ TEST(MshrFile, HoldsItsCapacityForAnyVectorWidthOfTheHost) {
       ASSERT_TRUE(file.is_full());
       for (std::uint64_t left = capacity; left > 0; --left) {
         const std::uint64_t i = (round + left * 7) % capacity;
-        // Continues from there, wrapping around, to one that is still outstanding.
+        // Releases the first outstanding miss from number i on, with wrap-around.
         for (std::uint64_t k = 0; k < capacity; ++k) {
           const std::uint64_t next = (i + k) % capacity;
           if (file.find_payload(line(next)) == nullptr) continue;

@@ -43,7 +43,7 @@ TEST(L2Writes, AReadOfInvalidSectorsFetchesTheLineAroundTheDirtyOnes) {
   BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 10, false, 0x1f);
-  b.core(0).send(640, 12, true, kSecondHalf);  // while the line is fetched
+  b.core(0).send(640, 12, true, kSecondHalf);  // arrives while the line is fetched
   b.core(0).send(640, 100);
   b.harness.run();
   EXPECT_EQ(b.core(0).script[1].latency(), kMiss);

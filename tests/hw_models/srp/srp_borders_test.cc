@@ -16,7 +16,7 @@ using test::TileBuilder;
 using CycleReason = Srp::CycleReason;
 
 constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; link to the DMA, and its answer
-constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // sixteen items, switch included
+constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // cycles of a loop of sixteen items, including the switch
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
 
 /// Returns a tile that imports `imports` borders; `missing` of these are missing at first. One launch needs no border,

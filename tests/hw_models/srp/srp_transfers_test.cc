@@ -90,7 +90,7 @@ TEST(SrpTransfers, ATransferWaitsForAllOfItsInputsNotForTheLastAlone) {
   SrpHarness harness({}, {{1, 10}, {1, 400}});
   TileBuilder work;
   const auto slow = work.launch(kB, 16);
-  const auto quick = work.launch(kA, 16);  // runs first: the last node that is ready
+  const auto quick = work.launch(kA, 16);  // runs first, because the last ready node has priority
   work.transfer(Region::kSamples, true, 64, {TileBuilder::all(slow), TileBuilder::all(quick)});
   work.transfer(Region::kSamples, true, 128, {TileBuilder::all(quick), TileBuilder::all(slow)});
   work.transfer(Region::kSamples, true, 192, {TileBuilder::all(quick)});

@@ -105,7 +105,7 @@ TEST(Instances, ARestartTrailGoesDownFromTheRootOfAllThroughTheInstance) {
   TniHarness harness(setup);
   harness.add(kDeep).run();
   const Trv::Stats& s = trv(harness).stats();
-  // Restarts for the entries of 4 and 3 enter the instance; those for 1 and 0 do not.
+  // Restarts for the stack entries of nodes 4 and 3 enter the instance; those for nodes 1 and 0 do not.
   EXPECT_EQ(s.restarts, 4U);
   EXPECT_EQ(s.restarted_visits, (2U + 2U) + (2U + 1U) + 2U + 1U);
   EXPECT_EQ(s.transforms, 1U + 2U);

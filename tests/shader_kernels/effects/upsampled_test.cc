@@ -26,7 +26,7 @@ struct RatedStage {
   struct Frame {
     std::vector<float> rgb;
     std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-    std::uint64_t samples_out = 0, samples_in = 0;  ///< bytes
+    std::uint64_t samples_out = 0, samples_in = 0;  ///< written and read samples in bytes
   };
   std::unique_ptr<FrameProgram> make(const RenderConfig& config, const char* program = "full:1") const {
     return make_program(parse_program(program), {image, scene.cameras.front(), config, programs, rates, 0, 10});

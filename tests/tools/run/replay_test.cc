@@ -218,7 +218,7 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
   bad[30] = '\x7f';
   is_refused(bad, {trace(), "damaged"});
   bad = good;
-  bad[good.size() / 2] = static_cast<char>(bad[good.size() / 2] ^ 1);  // a tile
+  bad[good.size() / 2] = static_cast<char>(bad[good.size() / 2] ^ 1);  // damages a tile
   folder_.write("a.trace", bad);
   expect_refusal(replay("out"), {trace(), "frame 0, tile", "damaged"});
   EXPECT_FALSE(fs::exists(at("out")));

@@ -95,7 +95,7 @@ TEST(Rasteriser, CountsFourSamplesOfAPixel) {
 TEST(Rasteriser, LeavesOutBlocksThatAreFullOfNearerSurfaces) {
   const PictureCamera camera = straight_ahead(32, 32);
   std::vector<std::array<glm::vec3, 3>> all = square(0, 0, 1, 1, 1);
-  append(all, square(0, 0, 1, 1, 2));  // behind the first
+  append(all, square(0, 0, 1, 1, 2));  // farther away than the first square
   const Rasteriser rasteriser(image_of(all), camera, {}, 32);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 32, 32));
   std::uint32_t hidden = 0, passed = 0;

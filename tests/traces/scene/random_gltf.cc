@@ -132,7 +132,7 @@ class Maker {
     const std::size_t index = list("nodes").size();
     switch (draw_.below(4)) {
       case 0:
-        break;  // an empty one
+        break;  // a node without transform
       case 1: {
         std::vector<float> m = draw_.numbers(16, -2, 2);
         m[3] = m[7] = m[11] = 0;

@@ -43,7 +43,7 @@ TEST(TileCode, RestoresRaysThatEnterInstances) {
   TileWork back;
   EXPECT_EQ(decode(bytes, scope, back).steps.total_steps(), (5U + 5) + (4 + 1) + 2) << "entering is no step";
   EXPECT_TRUE(same(tile, back));
-  TileWork flat = tile;  // without the enters
+  TileWork flat = tile;  // a tile without the enter steps
   flat.walk = {visit_step(0, 1, 0), end_step(false)};
   EXPECT_THROW(decode(encode(flat, scope.links), scope, back), sim::InputError);
 }

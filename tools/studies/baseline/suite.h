@@ -48,7 +48,7 @@ using StoredDraws = std::map<std::string, Draws>;
 struct StoredRun {
   Facts facts;
   Values values;
-  StoredDraws draws;  ///< empty if recorded without replicates
+  StoredDraws draws;  ///< statistics over replicates; empty if recorded without them
 };
 
 /// The stored values of a suite, saved as a YAML file.

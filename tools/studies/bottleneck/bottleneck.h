@@ -16,7 +16,7 @@ struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
   double estimated = 1;      ///< speed-up estimated from the counters of the configured run
-  Draws plays{};             ///< cycles of all replicates
+  Draws plays{};             ///< statistics of the cycles over all replicates
 };
 
 /// Statistics of the first-level caches of one kind, summed over the machine, in the run as configured.

@@ -39,8 +39,7 @@ bool is_sweep(const std::filesystem::path& folder);
 ///   points          [[n, status, axes..., metrics..., is_eligible, error, command], ...]
 ///   has_constraints, limits: [[constraint, met, best value, its 95 % interval, room], ...]
 ///   headlines       fields of the metrics that headlines show, the main one first
-///   best            row of the best point of each metric; ties: text on points that tie with the best in the main
-///   metric
+///   best            row of the best point of each metric; ties: text on ties with the best in the main metric
 ///   start           {x, y, front, near}: metrics and Pareto front of the scatter plot; null without metrics
 ///   sensitivities   [{metric, points, is_grid, effects: [{axis, share, low, high, range, levels}]}]
 ///   notices         warnings

@@ -22,7 +22,7 @@ struct SustainOptions {
 struct SustainStudy {
   std::vector<SustainStep> steps;
   std::vector<std::vector<double>> mhz, volt;  ///< for each step: clock and voltage of each clock domain
-  /// For each step: steady temperatures if it is kept forever; none: thermal runaway.
+  /// For each step: temperatures that the phone reaches if the step is kept forever; none: thermal runaway.
   std::vector<std::optional<sim::Temperatures>> steady;
   SustainSetup setup;
   Sustained run;

@@ -74,7 +74,7 @@ TEST(GroundTruth, IsNotTakenFromFilesThatAreNotIt) {
   folder.write(name, good.substr(0, good.size() / 2));
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);
 
-  traces::write_exr(picture, 32, 16, std::vector<float>(truth.size(), 0.5F));  // another picture
+  traces::write_exr(picture, 32, 16, std::vector<float>(truth.size(), 0.5F));  // replaces the cached picture
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);
   EXPECT_EQ(read_bytes(picture), good);
 

@@ -61,7 +61,7 @@ std::optional<Change> change_of(const FieldInfo& field) {
     try {
       const std::vector<FieldInfo> fields = sim::list_fields(tools::load_run_config(options));
       if (std::ranges::find(fields, field.path, &FieldInfo::path)->value != field.value) return Change{field, value};
-    } catch (const sim::InputError&) {  // the next one
+    } catch (const sim::InputError&) {  // tries the next value
     }
   }
   return {};
@@ -81,7 +81,7 @@ std::vector<Change> drawn_changes() {
   for (std::uint64_t n = 0; out.size() < kChanges; ++n) {
     const auto group = std::next(groups.begin(), static_cast<std::ptrdiff_t>(sim::hash(n, 0) % groups.size()));
     const FieldInfo& field = group->second[sim::hash(n, 1) % group->second.size()];
-    const bool is_overridden = field.path == "render.width" || field.path == "render.height";  // by the suite
+    const bool is_overridden = field.path == "render.width" || field.path == "render.height";  // the suite sets these
     if (is_overridden || !drawn.insert(field.path).second) continue;
     if (auto change = change_of(field)) out.push_back(*std::move(change));
   }

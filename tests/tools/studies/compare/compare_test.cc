@@ -109,7 +109,7 @@ TEST_F(Runs, ExplainTheWholeDifferenceInEnergy) {
   for (const Json& event : c["energy_by_event_mj"]) {
     const std::string name = event["name"];
     const bool standby = name.find("standby") != std::string::npos || name == "dram dram.power_down";
-    if (!standby) sum += event["difference"].get<double>();  // DRAM's is in the leakage
+    if (!standby) sum += event["difference"].get<double>();  // standby of the DRAM is part of leakage
   }
   const Json& energy = c["figures"]["energy_mj"];
   EXPECT_NEAR(sum, energy["b"].get<double>() - energy["a"].get<double>(), 1e-6 * energy["a"].get<double>());

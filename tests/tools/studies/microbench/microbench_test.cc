@@ -71,7 +71,7 @@ TEST(MicrobenchDram, PrintsATable) {
   EXPECT_EQ(ending.out.find("MISSED"), std::string::npos);
 }
 
-// 0.625 ns a cycle: tRCD 29, RL 28, tDQSCK 3, two bursts of 8, tRP 29; WL 14 and tDQSS 1.
+// Timing in cycles of 0.625 ns: tRCD 29, RL 28, tDQSCK 3, two bursts of 8, tRP 29; WL 14 and tDQSS 1.
 TEST(MicrobenchDram, PrintsWhenEachRequestOfAFileEnds) {
   const nlohmann::json j = played(
       "# a closed bank, its row, another row\n"
