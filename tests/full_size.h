@@ -3,8 +3,7 @@
 
 namespace test {
 
-/// True if tests use all their scenes, machines and seeds, not only a few. `tools/validate full` sets this
-/// ($RAYWATT_FULL).
+/// True if tests use all scenes, machines and seeds, not a few. Set by `tools/validate full` ($RAYWATT_FULL).
 inline bool is_full_size() { return std::getenv("RAYWATT_FULL") != nullptr; }
 
 /// Returns `full` if is_full_size(), otherwise `few`.

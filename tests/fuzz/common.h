@@ -26,8 +26,7 @@ const std::filesystem::path& folder();
 /// Writes bytes to a file `name` in folder() and returns its path.
 std::filesystem::path file_of(std::string_view bytes, const std::string& name);
 
-/// Calls `f` and ignores InputError and IoError, which refuse invalid input. Any other exception is a bug and ends the
-/// process.
+/// Calls `f` and ignores InputError and IoError, which refuse invalid input. Others are bugs and end the process.
 template <class F>
 void refusing(F&& f) {
   try {

@@ -5,8 +5,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/run/frame/load_config.h"
 
-// Fuzz target: a configuration file, as `raywatt run FILE` loads it. The loaded configuration is written and read
-// again.
+// Fuzz target: a configuration file, as `raywatt run FILE` loads it. It is then written and read again.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   tools::JobOptions options;

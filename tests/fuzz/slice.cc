@@ -2,8 +2,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/sampling/slices.h"
 
-// Fuzz target: results of a slice of a frame, as the store keeps them. They are read, written and read again, and must
-// be the same.
+// Fuzz target: results of a slice of a frame, as the store keeps them. They are read, written and read again.
 
 namespace {
 

@@ -133,8 +133,7 @@ TEST(Interpolation, TexturesAreLookedUpAtInterpolatedCoordinates) {
 }
 
 TEST(Interpolation, MirroredLightIsInterpolatedAsAColour) {
-  // Half a mirror in front of a wall with a colour gradient: local light is computed again, mirrored light is
-  // interpolated.
+  // Half a mirror in front of a wall with a colour gradient: only mirrored light is interpolated.
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.5F);
   add_wall(scene, 0, 4, {.base_colour = glm::vec3(0.8F), .mirror = 0.5F});

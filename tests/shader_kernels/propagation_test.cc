@@ -21,8 +21,7 @@ struct Propagated {
   std::vector<traces::TileWork> works;
 };
 
-/// Returns a scene of slanted bars, a third of a pixel wide, in front of a wall. Pixel centres hit a bar only in some
-/// pixels.
+/// Returns a scene of slanted bars, a third of a pixel wide, in front of a wall. Only some pixel centres hit a bar.
 traces::Scene bars() {
   traces::Scene scene = empty_scene();
   add_wall(scene, -1, 20, {.base_colour = glm::vec3(0), .emission = {0, 0, 0.5F}});

@@ -3,8 +3,7 @@
 
 namespace kernels {
 
-/// Operations of the kernels of `reconstruct`, counted by hand from their sources. graphs_test.cc explains the short
-/// names.
+/// Operations of the kernels of `reconstruct`, counted by hand from their sources. For short names see graphs_test.cc.
 inline constexpr Hand kReconstructByHand[] = {
     // Operations: to_float, 3 div_mod; add, mul; 2 (sub or add, mul), 2 (2 add); emit_primary_ray.
     {"generate_rotated_rays", {21, 21, 2, 4, 0, 0, 0, 1, 0, 3, 0}},

@@ -51,8 +51,7 @@ std::vector<Given> given_in(const fs::path& file) {
 
 bool ends_with_key(const std::string& path, const std::string& key) { return path == key || path.ends_with("." + key); }
 
-/// Adds the key paths of all values in a file, and in the files that it extends, to `paths`. `above`: prefix of the
-/// paths.
+/// Adds the key paths of all values in a file, and in the files that it extends, to `paths`. `above`: their prefix.
 void add_given(const fs::path& file, const std::string& above, std::set<std::string>& paths) {
   for (const Given& value : given_in(file)) {
     const std::string path = above + value.path;

@@ -8,8 +8,7 @@
 #include "tests/full_size.h"
 
 // Tests that the resource estimated as bottleneck from one run's counters gives the largest speed-up if ideal, within 2
-// %. Uses small built-in scenes on machines with different bottlenecks, at full size larger scenes; docs/bottleneck.md
-// has random machines.
+// %. Uses small built-in scenes on machines with different bottlenecks, at full size larger ones.
 
 namespace tools {
 namespace {

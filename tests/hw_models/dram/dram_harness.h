@@ -6,8 +6,7 @@
 
 namespace hw::test {
 
-/// Test harness for one DRAM channel without fabric latency. Requesters run at its clock and are connected by links of
-/// one cycle.
+/// Test harness for one DRAM channel without fabric latency. Requesters have its clock and links of one cycle.
 struct DramHarness {
   /// Latency of request link and response link together, in cycles.
   static constexpr std::uint64_t kWires = 2;

@@ -7,8 +7,7 @@ namespace {
 
 constexpr std::uint32_t kBank = 5, kRow = 7;
 
-/// Serves the last queued hit of a row, then lets a request for `row` arrive. Returns true if the policy closed the
-/// first row.
+/// Serves the last queued hit of a row, then a request for `row` arrives. Returns true if the first row was closed.
 bool closes_before(DramPagePolicy& policy, std::uint32_t row) {
   const bool closed = policy.closes_row(kBank, kRow, false);
   policy.note_request(kBank, row);

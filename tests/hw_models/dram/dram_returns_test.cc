@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t kLongAfter = 10'000;
 
-/// Simulates hits of one row through a port with room for one answer. The requester takes an answer every `kLongAfter`
+/// Simulates hits of one row through a port with room for one answer. The requester takes one every `kLongAfter`
 /// cycles.
 struct SlowPort : DramHarness {
   explicit SlowPort(std::uint32_t reads, DramConfig c = quiet()) : DramHarness(c, 1, 1) {

@@ -88,8 +88,7 @@ void expect_memory_conserved(const Outcome& run, const GpuConfig& config) {
   }
 }
 
-/// Checks traffic of spilled ray slots. They are written and read in whole lines, each twice: for the ray and for the
-/// hit.
+/// Checks traffic of spilled ray slots. Each is written and read in whole lines twice: for ray and hit.
 void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config) {
   EXPECT_EQ(run.sum("tile_dispatcher", "dispatched"), frame.program().tiles());
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), frame.program().tiles());

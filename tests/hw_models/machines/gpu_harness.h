@@ -17,8 +17,7 @@
 
 namespace hw::test {
 
-/// A frame to simulate: a scene, a camera and the frame program `full`. Not movable, because the program refers to the
-/// image.
+/// A frame to simulate: a scene, a camera and the frame program `full`. Not movable: the program refers to the image.
 class Frame {
  public:
   /// `tile`: side of a tile in samples.

@@ -39,8 +39,7 @@ std::string difference(const Intervals& a, const Intervals& b) {
   return {};
 }
 
-/// Checks a recording: the last row equals the units' reports, no value decreases, and the reasons of a unit fill each
-/// interval.
+/// Checks a recording: the last row equals the units' reports, values never decrease, and reasons fill each interval.
 void expect_sums(const Intervals& intervals, const Outcome& run) {
   ASSERT_GT(intervals.size(), 0U);
   EXPECT_EQ(intervals.end(), run.elapsed);

@@ -8,8 +8,7 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Tests of tiles with everything that a frame program can record: transfers anywhere, idle items, dependencies between
-// tiles.
+// Tests of tiles with all that a frame program can record: transfers anywhere, idle items, dependencies between tiles.
 
 namespace hw {
 namespace {

@@ -7,8 +7,7 @@
 #include "shader_kernels/catalogue.h"
 #include "tests/hw_models/srp/schedule_checker.h"
 
-// Tests of arrays at the limits of the configuration: kernel schedules are close to their lower bounds, and found
-// quickly.
+// Tests of arrays at the limits of the configuration: schedules are close to their bounds and found quickly.
 
 namespace hw::test {
 namespace {

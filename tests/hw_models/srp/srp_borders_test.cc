@@ -33,8 +33,7 @@ TEST(SrpBorders, AnImportWaitsForItsBorderAndTheRestOfTheTileDoesNot) {
   SrpHarness harness({}, {{1, 10}});
   harness.add(importing(1), 1).tell(1000, 0, 0).run();
   EXPECT_EQ(harness.spent(CycleReason::kRunning), 2U * (10 + 15));
-  // The update arrives by the link. Then the transfer runs, and then the launch that waits for it, whose kernel is
-  // resident.
+  // The update arrives, then the transfer runs, then the launch that waits for it, whose kernel is resident.
   EXPECT_EQ(harness.done_at(0), 1000 + 1 - kStart + kDma + 10 + 15);
   EXPECT_EQ(harness.spent(CycleReason::kBorders), 1000 + 1 - kStart - kLoop);
   EXPECT_EQ(harness.spent(CycleReason::kWaiting), kDma);

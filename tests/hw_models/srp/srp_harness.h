@@ -164,8 +164,7 @@ inline constexpr std::uint64_t kSwitch = SrpHarness::cold(1);
 /// Numbers of two kernels of an SrpHarness.
 inline constexpr traces::KernelId kA = 0, kB = 1;
 
-/// Returns a tile in which kernel A makes rays and kernel B shades each hit. `reads_first`: kernel A first reads from
-/// memory.
+/// Returns a tile in which kernel A makes rays and kernel B shades each hit. `reads_first`: A first reads from memory.
 traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false);
 
 }  // namespace hw::test

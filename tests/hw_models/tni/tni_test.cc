@@ -109,8 +109,8 @@ TEST(Tni, RaysToOneLineMergeIntoOneRequest) {
 }
 
 TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
-  // Traversal along the chain 0 -> 1 -> 2 -> 3 that pushes at each node. No entry is culled, so all four far children
-  // are popped.
+  // Traversal along the chain 0 -> 1 -> 2 -> 3 that pushes at each node. No entry is culled: all four far children are
+  // popped.
   const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
                      visit_step(8, 0, 0), end_step(false)};

@@ -120,8 +120,7 @@ TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
   EXPECT_EQ(traces::node_of(slot.next_step()), 9U);
 }
 
-/// Traversal that pushes entries at nodes 0, 1 and 3, and then visits node 7 without a hit. The entry of node 3 is
-/// next.
+/// Traversal that pushes entries at nodes 0, 1 and 3 and then misses at node 7. The entry of node 3 is next.
 const Walk kThreeEntries = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), visit_step(7, 0, 0),
                                    visit_step(8, 0, 0), visit_step(4, 0, 0), visit_step(2, 0, 0), end_step(false)});
 

@@ -65,8 +65,7 @@ TEST(MeanDifference, WhatDoesNotVaryIsSure) {
 }
 
 TEST(Holm, ComparesEachChanceWithWhatTheNumberOfThoseLeftAllows) {
-  // Holm's test rejects as long as p is small enough: 0.01 <= 0.05 / 4 and 0.016 <= 0.05 / 3, but 0.026 > 0.05 / 2; the
-  // test stops there.
+  // Holm's test: 0.01 <= 0.05 / 4 and 0.016 <= 0.05 / 3, but 0.026 > 0.05 / 2; the test stops there.
   EXPECT_EQ(reject_hypotheses(std::array{0.026, 0.01, 0.04, 0.016}, 0.05),
             (std::vector<bool>{false, true, false, true}));
   EXPECT_EQ(reject_hypotheses(std::array{0.05}, 0.05), std::vector<bool>{true});

@@ -23,12 +23,12 @@ inline std::string bytes(std::initializer_list<int> values) {
 /// Encoding of a tree whose root has two leaves: triangle 0, and triangles 1 and 2.
 inline const std::string kTree = bytes({0b0000'000'1, 0b0000'001'1});
 
-/// Encoding of a two-level tree, with two instances of a tree over all three triangles: first the nodes, then the tree
-/// of each instance.
+/// Encoding of a two-level tree, with two instances of a tree over all three triangles: nodes, then the tree of each
+/// instance.
 inline const std::string kLevels = bytes({0b0000'000'1, 0b0000'000'1, 0b0000'010'1, 0, 1, 1});
 
-/// Encoding of a tile of four pixels. One kernel makes their rays, another reads the hits, and 16 bytes are written to
-/// the picture.
+/// Encoding of a tile of four pixels. One kernel makes their rays, another reads the hits, and 16 bytes go to the
+/// picture.
 inline std::string tile(int index, const std::string& walks) {
   return bytes({0,
                 index,

@@ -31,8 +31,7 @@ struct Drawn {
   double truth = 0;
 };
 
-/// The quantity to estimate: for each part 3 per size, 2 and 5 per trait, and a normal deviate times `unknown` per
-/// size.
+/// The quantity to estimate: for each part 3 per size, 2 and 5 per trait, and random noise of `unknown` per size.
 Drawn draw(std::uint64_t trial, std::size_t count, double unknown) {
   constexpr std::size_t kAll = 2000;
   std::vector<SamplePart> all;

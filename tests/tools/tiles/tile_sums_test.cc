@@ -12,8 +12,7 @@
 #include "tools/analysis/units.h"
 #include "tools/tiles/tile_energy.h"
 
-// Tests that values of tiles sum to those of the frame on any machine, and that collecting them does not change
-// results.
+// Tests that values of tiles sum to those of the frame on any machine, and that collecting them changes no result.
 
 namespace tools::test {
 namespace {

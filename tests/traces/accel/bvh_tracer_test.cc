@@ -17,8 +17,7 @@
 namespace traces {
 namespace {
 
-/// The hit of a ray, computed in double precision from the equations of the triangles. A hit is clear if the ray is not
-/// close to any edge.
+/// The hit of a ray, computed in double precision from the equations of the triangles. It is clear if no edge is close.
 struct Exact {
   double t = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = kNoHit;

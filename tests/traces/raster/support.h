@@ -39,8 +39,7 @@ inline Ray ray_through(const PictureCamera& camera, float x, float y) {
   return {camera.origin, 0, glm::normalize(camera.corner + camera.right * x + camera.down * y)};
 }
 
-/// Returns the rays of a box of pixels, row by row. Each pixel has grid x grid rays, through the centres of equal
-/// cells.
+/// Returns the rays of a box of pixels, row by row. Each pixel has grid x grid rays, through centres of equal cells.
 inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, std::uint32_t y0, std::uint32_t width,
                                 std::uint32_t height, std::uint32_t grid = 1) {
   std::vector<Ray> rays;

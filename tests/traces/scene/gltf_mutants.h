@@ -6,8 +6,8 @@
 
 namespace test {
 
-/// Returns a glTF file with a random fault, determined by `number`: changed JSON values, flipped bits, wrong lengths,
-/// or a missing end.
+/// Returns a glTF file with a random fault, determined by `number`: JSON values, flipped bits, wrong lengths, a missing
+/// end.
 std::string mutant_of(const TinyGltf& seed, std::uint64_t number);
 
 }  // namespace test

@@ -44,8 +44,7 @@ inline constexpr int kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123,
 
 traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {});
 
-/// Returns the loader's error message for a file that it must refuse. Expects one line that begins with the file's
-/// name.
+/// Returns the loader's error message for a file that it must refuse. Expects one line that begins with the name.
 std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
 
 }  // namespace test

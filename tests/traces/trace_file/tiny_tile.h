@@ -126,8 +126,7 @@ inline TileWork tile_of_levels() {
   return t;
 }
 
-// A tile of a rasteriser: one batch of triangles and one wave of samples. The frame has 9 vertices, 5 triangles and 8
-// list entries.
+// A batch of triangles and a wave of samples for a rasteriser. The frame has 9 vertices, 5 triangles, 8 list entries.
 
 inline TileScope tiny_raster() {
   TileScope scope = tiny_scope();

@@ -336,8 +336,7 @@ std::vector<std::string> find_refusals(const Facts& was, const std::string& embr
   return out;
 }
 
-/// Returns the hardware unit that most likely changed. Units whose configuration keys changed are tried before all
-/// others.
+/// Returns the hardware unit that most likely changed. Units whose keys changed are tried first.
 std::optional<LocatedRegression> locate_in_run(const ChangedKeys& keys, const Values& was, const Values& is) {
   std::optional<LocatedRegression> best;
   for (const KeyPair& key : keys.changed) {
@@ -627,16 +626,15 @@ std::vector<TrafficPath> traffic_paths(const Values& was, const Values& is) {
   return out;
 }
 
-/// Returns the time that first-level misses waited in queues of the core port. It does not depend on the latency of the
-/// interconnect.
+/// Returns the time that first-level misses waited in queues of the core port. It is independent of the interconnect's
+/// latency.
 double queue_time(const Values& values) {
   using Port = hw::CorePort;
   return time_of<Port>(values, &Port::Stats::request_wait, Port::kCachePort) +
          time_of<Port>(values, &Port::Stats::line_wait, Port::kCachePort);
 }
 
-/// Describes the cycles spent for one cycle reason in both runs, summed over all units of a kind, in the unit's own
-/// clock.
+/// Describes the cycles of one cycle reason in both runs, summed over all units of a kind, in the unit's clock.
 std::string moved_text(const Values& was, const Values& is, std::string_view unit, const std::string& reason) {
   const std::string path = fmt::format("units.{}.why.{}", unit, reason);
   const double before = value_or_zero(was, path), after = value_or_zero(is, path);

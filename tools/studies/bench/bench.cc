@@ -80,8 +80,7 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
   return replay;
 }
 
-/// Measures one scene in rounds. A round measures each metric once, so that a changing load of the host affects all
-/// metrics alike.
+/// Measures one scene in rounds. A round measures each metric once, so that changing load affects all alike.
 class RoundRunner {
  public:
   /// `scratch`: folder for temporary files.
@@ -174,8 +173,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   return rounds.result_json();
 }
 
-/// Measures a scene in a child process, so that peak memory is that of this scene. The child's main() handles its
-/// exceptions.
+/// Measures a scene in a child process, so that peak memory is that of this scene. Its main() handles exceptions.
 Json measure_in_child(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
   constexpr int kGlanceMs = 100;  // timeout in ms, because an interrupt just before poll() does not end it
   std::string text;

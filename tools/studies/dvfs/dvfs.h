@@ -29,8 +29,7 @@ struct DvfsPoint {
   double ms = 0;
   sim::Band mj;        ///< energy of the frame
   double idle_mw = 0;  ///< power while idle between frames
-  /// Energy of a frame period: the frame and the idle time after it. Negative if the frame takes longer than the
-  /// period.
+  /// Energy of a frame period: the frame and the idle time after it. Negative if the frame is longer than the period.
   double period_mj = -1;
   double power_w() const { return mj.nominal / ms; }
   double frames_per_second() const { return 1000 / ms; }

@@ -50,8 +50,7 @@ std::string comment_of(const std::string& text, int line) {
 /// Returns the text after the last dot of a path.
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-/// Collects the origin of each configuration value. Files and settings are added in order, and later ones override
-/// earlier ones.
+/// Collects the origin of each configuration value. Files and settings added later override earlier ones.
 class Layers {
  public:
   Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
@@ -269,8 +268,7 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
-/// Formats the origin of a value: one line for the file or option that sets it, then one for each factor that scales
-/// it.
+/// Formats the origin of a value: a line for the file or option that sets it, then one for each factor.
 std::string printable_lines(const std::string& text) {
   std::string out;
   for (std::size_t begin = 0; begin <= text.size();) {

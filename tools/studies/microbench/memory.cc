@@ -20,8 +20,7 @@
 
 namespace tools {
 
-/// A test client that reads cache lines in order through a first-level cache, with one probe per cycle while an MSHR is
-/// free.
+/// Test client that reads lines in order through a first-level cache, with one probe per cycle while an MSHR is free.
 ///
 ///  reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
 ///
@@ -117,8 +116,7 @@ class MemoryForms {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
   /// Returns the bound due to `count` MSHRs of a first-level cache. Each MSHR handles one miss after the other. MSHRs
-  /// start in consecutive cycles, so their clock phases differ. The bound is not reached if the clocks of T&I and L2
-  /// differ.
+  /// start in consecutive cycles, so their clock phases differ. If the L2 has another clock, the bound is not reached.
   UpperBound l1_mshr_rate(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;

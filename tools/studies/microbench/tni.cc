@@ -54,8 +54,7 @@ class TniForms {
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which the result of a triangle test with this exit phase is
-  /// known.
+  /// Returns the stage of the intersection pipeline after which a triangle test with this exit phase is known.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:
@@ -292,8 +291,7 @@ double counted_pj(const sim::UnitReport& unit, const sim::EnergyTable& table) {
   return pj;
 }
 
-/// Returns the expected energy in pJ of testing a leaf with one triangle: leaf buffer, cache line, test phases and
-/// answer.
+/// Returns the expected energy in pJ of testing a leaf with one triangle: buffer, cache line, test phases, answer.
 double leaf_pj(ExitPhase exit, std::uint64_t cache_bytes, const sim::EnergyTable& table) {
   double pj = 0;
   for (const char* event :

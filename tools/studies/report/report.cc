@@ -470,8 +470,7 @@ std::string html_text(std::string_view text) {
   return escape_text(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
 }
 
-/// Loads the scripts and style sheet of pages from the installation or the build folder. Throws InputError if they do
-/// not exist.
+/// Loads the scripts and style sheet of pages from the installation or the build folder. Throws InputError if missing.
 Bundle load_bundle() {
   std::vector<std::string> tried;
   for (const fs::path& folder : bundle_folders()) {

@@ -59,8 +59,7 @@ struct TileGrid {
   std::vector<std::size_t> tile_of_row;
   std::size_t size() const { return columns * rows; }
 };
-/// Returns the tile grid of a picture. Throws InputError if the table has no tile positions, or a tile outside the
-/// picture.
+/// Returns the tile grid of a picture. Throws InputError if tile positions are missing or outside the picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
 /// A metric that pages show for each tile: the sum of some columns of tiles.json minus another column. A tile with
@@ -76,8 +75,7 @@ const std::vector<TileMetric>& tile_metrics();
 
 /// Returns the value of a metric for each tile of the grid. Throws InputError if the table lacks a column.
 std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
-/// Returns numbers as JSON for a page: integers exactly, others with five digits. Values that are not finite become
-/// null.
+/// Returns numbers as JSON for a page: integers exactly, others with five digits. Infinity and NaN become null.
 sim::Json page_numbers(const std::vector<double>& values);
 
 }  // namespace tools::pages

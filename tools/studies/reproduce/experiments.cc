@@ -317,8 +317,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds the cases of figure 7, quality over number of samples: with the colour threshold alone, and with all
-/// thresholds.
+/// Adds the cases of figure 7, quality over number of samples: with the colour threshold, and with all.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {

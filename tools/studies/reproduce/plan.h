@@ -76,8 +76,7 @@ const std::vector<Paper>& all_papers();
 /// traces/workloads/reproduction.yaml has the same.
 Sets reproduction_settings();
 
-/// Returns settings with ideal shader cores and tile buffers. T&I units then never wait for rays and are measured
-/// alone.
+/// Returns settings with ideal shader cores and tile buffers. T&I units then never wait for rays.
 Sets tni_alone_settings();
 
 /// Returns the side of a picture: `pixels`, or one sixteenth of it if `quick`.

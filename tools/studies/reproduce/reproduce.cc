@@ -292,7 +292,7 @@ using sim::Json;
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< typical: 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
-/// True if a partial earlier run has the same inputs as this run, so that its rows are valid. `head`: header of this
+/// True if a partial earlier run has the same inputs as this run, whose rows are then valid. `head`: header of this
 /// run.
 bool is_same_run(const Json& former, const Json& head) {
   for (const auto& [key, value] : head.items()) {
@@ -397,8 +397,8 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures at least one case, and continues until there are more rows than in `folder`. Then replaces the results in
-  /// `folder`.
+  /// Measures at least one case, and continues until there are more rows than in `folder`. Then replaces the rows
+  /// there.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {

@@ -15,8 +15,7 @@
 
 namespace tools::reproduce {
 
-/// Classes of pixels, by how the sixteen samples of a pixel on a regular grid differ. A pixel belongs to the first
-/// class that applies.
+/// Classes of pixels, by how their sixteen samples on a regular grid differ. The first class that applies counts.
 enum class Mask : std::uint8_t {
   kObjectEdge,  ///< visible objects differ, or a normal differs from that of the first sample (dot product below 0.9)
   kShadowEdge,  ///< a light reaches only some samples

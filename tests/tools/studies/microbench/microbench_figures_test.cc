@@ -5,8 +5,8 @@
 
 #include "tests/tools/program.h"
 
-// Tests that measurements of `raywatt microbench` equal their formulas, and that some formulas equal values computed by
-// hand.
+// Tests that measurements of `raywatt microbench` equal their formulas, and that some formulas equal hand-computed
+// values.
 
 namespace test {
 namespace {

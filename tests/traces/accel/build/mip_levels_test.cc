@@ -89,8 +89,7 @@ TEST(MipChain, OneColourStaysThatColourInEveryLevel) {
   }
 }
 
-/// Returns a scene with a flagged triangle that shows half of a 16 x 16 and of a 3 x 1 texture, and an unused white
-/// texture.
+/// Returns a flagged triangle that shows half of a 16 x 16 and of a 3 x 1 texture, and adds an unused white texture.
 Scene textured_triangle() {
   Scene scene = one_triangle();
   scene.meshes[0].uvs = {{0, 0}, {4, 0}, {0, 4}};
