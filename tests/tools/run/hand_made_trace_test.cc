@@ -92,7 +92,7 @@ TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
                  {"flat.trace", "two levels", "bvh.instances is flatten", "allowed: two_level"});
 }
 
-// The example of docs/trace-format.md: one ray that hits one triangle.
+// The smallest trace: one ray that hits one triangle.
 TEST(HandMadeTrace, PlaysTheSmallestFile) {
   const OrderedJson header = OrderedJson::parse(R"({
     "program": "full:1", "reference": "", "resolution": [1, 1],
