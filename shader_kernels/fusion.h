@@ -19,8 +19,8 @@ struct FusedPorts : Parts::template Ports<V>... {
 ///
 ///   item --> body of the first part --> ... --> body of the last
 ///
-/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). A memory listed in
-/// kRegisters is read by no other kernel, so its stores are dropped.
+/// In the graph, values that one part passes to the next stay in registers (remove_repeated_accesses). A memory listed
+/// in kRegisters is read by no other kernel, so its stores are dropped.
 template <class... Parts>
 struct Fused {
   /// Returns the names of the kernels that the fused kernel runs.

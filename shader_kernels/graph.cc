@@ -110,7 +110,7 @@ class Sorter {
 
 }  // namespace
 
-void sort_canonically(Graph& graph) { graph.nodes = Sorter(graph.nodes).sort_nodes(); }
+void sort_nodes_canonically(Graph& graph) { graph.nodes = Sorter(graph.nodes).sort_nodes(); }
 
 namespace {
 
@@ -213,7 +213,7 @@ class Fuser {
 
 }  // namespace
 
-void keep_in_registers(Graph& graph, std::span<const std::string_view> registers) {
+void remove_repeated_accesses(Graph& graph, std::span<const std::string_view> registers) {
   graph.nodes = Fuser(graph, registers).fuse_nodes();
 }
 

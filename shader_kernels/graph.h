@@ -57,7 +57,7 @@ void for_each_input(const GraphNode& node, Function&& f) {
 /// Renumbers the nodes of a graph in an order that depends only on their dependences, and drops unused nodes. Loads,
 /// stores and carried values keep their order; operands precede their operation, left before right. The result does not
 /// depend on the order in which a compiler evaluates a + b.
-void sort_canonically(Graph& graph);
+void sort_nodes_canonically(Graph& graph);
 
 /// Removes repeated accesses to one record by the same item from the graph of a fused kernel:
 ///
@@ -67,7 +67,7 @@ void sort_canonically(Graph& graph);
 ///
 /// `registers` are the memories that only this kernel reads. Throws std::logic_error if a load may read a record that
 /// an earlier part stored under another index.
-void keep_in_registers(Graph& graph, std::span<const std::string_view> registers);
+void remove_repeated_accesses(Graph& graph, std::span<const std::string_view> registers);
 
 std::string_view name_of(Op op);
 

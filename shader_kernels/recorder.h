@@ -251,8 +251,8 @@ Graph record_graph() {
   typename K::template Ports<Recorded> ports;
   K::template Ports<Recorded>::describe(ports, PortBinder(recorder));
   K::template body<Recorded>(IntNode{recorder, recorder.add_node({.op = Op::kInput, .label = "item"})}, ports);
-  if constexpr (requires { K::kRegisters; }) keep_in_registers(graph, K::kRegisters);
-  sort_canonically(graph);
+  if constexpr (requires { K::kRegisters; }) remove_repeated_accesses(graph, K::kRegisters);
+  sort_nodes_canonically(graph);
   return graph;
 }
 

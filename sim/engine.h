@@ -171,7 +171,7 @@ Time run(Owner& owner) {
     if constexpr (kSkip == Skip::kOff) {
       for (const UnitsOfClock& group : groups) {
         if (!group.clock.is_edge(now)) continue;
-        for (const std::size_t i : group.units) wakeups.tick_one(i, tick_at(now));
+        for (const std::size_t i : group.units) wakeups.tick_unit(i, tick_at(now));
       }
     } else {
       if (now != kNever) wakeups.tick_due(now, tick_at(now));
@@ -206,7 +206,7 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
     }
     std::ranges::sort(order);
     for (const auto& [drawn, i] : order)
-      wakeups.tick_one(i, [&](std::size_t unit) { return machine.tick_functions()[unit](now); });
+      wakeups.tick_unit(i, [&](std::size_t unit) { return machine.tick_functions()[unit](now); });
     if (owner.done()) return now;
     now = wakeups.earliest_time();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());

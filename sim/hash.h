@@ -19,6 +19,6 @@ constexpr std::uint64_t hash(Keys... keys) {
 }
 
 /// Converts a hash to a float in [0, 1) with 24 random bits.
-constexpr float unit_float(std::uint64_t hash_bits) { return static_cast<float>(hash_bits >> 40) * 0x1p-24F; }
+constexpr float hash_to_unit_float(std::uint64_t hash_bits) { return static_cast<float>(hash_bits >> 40) * 0x1p-24F; }
 
 }  // namespace sim

@@ -105,7 +105,7 @@ class WakeupTable {
 
   /// Ticks a unit, even if it is not due.
   template <class Tick>
-  void tick_one(std::size_t unit, Tick&& tick) {
+  void tick_unit(std::size_t unit, Tick&& tick) {
     time_of(unit) = kNever;
     const Time own = tick(unit);
     lower_to(unit, own);

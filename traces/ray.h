@@ -60,7 +60,7 @@ inline Hit with_instance(const Hit& hit, std::uint32_t instance) {
           std::bit_cast<float>(v << kHalfBits | instance >> kHalfBits), hit.triangle};
 }
 /// Returns the instance of a hit made by with_instance().
-inline std::uint32_t instance_of(const Hit& hit) {
+inline std::uint32_t instance_index_of(const Hit& hit) {
   return (std::bit_cast<std::uint32_t>(hit.u) & kHalfMask) | (std::bit_cast<std::uint32_t>(hit.v) & kHalfMask)
                                                                  << kHalfBits;
 }

@@ -45,7 +45,7 @@ constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) {
 }
 constexpr std::uint32_t enter_step(std::uint32_t instance) { return leaf_step(instance, 0); }
 constexpr bool is_enter(std::uint32_t word) { return word >> 26 == 1U << 4; }
-constexpr std::uint32_t instance_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
+constexpr std::uint32_t instance_index_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t first_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t count_of(std::uint32_t word) { return (word >> 26) & 15U; }
 constexpr ExitPhase phase_of(std::uint32_t phases, std::uint32_t test) {

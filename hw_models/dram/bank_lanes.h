@@ -21,12 +21,13 @@ class BankLanes {
 
   /// Returns a mask of the banks whose stored number is at most `limit`. `limit` must be below 2^63. Mask bits above
   /// the last bank are undefined.
-  std::uint32_t banks_at_most(std::uint64_t limit) const {
-    return banks_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
+  std::uint32_t banks_with_value_at_most(std::uint64_t limit) const {
+    return banks_with_value_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
   }
   /// Returns a mask of the banks whose numbers in this object and in `other` are both at most `limit`.
   std::uint32_t banks_with_both_at_most(const BankLanes& other, std::uint64_t limit) const {
-    return banks_at_most(limit, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
+    return banks_with_value_at_most(limit,
+                                    [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
   /// Returns the smallest number stored for any bank in the mask `bank_mask`.
   std::uint64_t min_of(std::uint32_t bank_mask) const {
@@ -44,7 +45,7 @@ class BankLanes {
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
   /// Raises the number of each bank in the mask `bank_mask` to at least `minimum`.
-  void raise_to(std::uint32_t bank_mask, std::uint64_t minimum) {
+  void raise_to_at_least(std::uint32_t bank_mask, std::uint64_t minimum) {
     const Four bound = Four{} + static_cast<std::int64_t>(minimum);
     Four bit{1, 2, 4, 8};
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) {
@@ -70,7 +71,7 @@ class BankLanes {
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) f(four, bit);
   }
   template <class Get>
-  std::uint32_t banks_at_most(std::uint64_t limit, Get&& get) const {
+  std::uint32_t banks_with_value_at_most(std::uint64_t limit, Get&& get) const {
     Four banks{};
     for_each_four(
         [&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(limit)); });

@@ -32,11 +32,11 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       data_bus_(max_booked_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
       refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : perturbation.first_refresh_cycle(refresh_interval_)),
-      to_refresh_(device_.refresh_leader_mask()),
+      unrefreshed_banks_(device_.refresh_command_bank_mask()),
       reads_(c.controller.read_queue, c.organisation.all_banks()),
       writes_(c.controller.write_queue, c.organisation.all_banks()),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
-  const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
+  const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.line_transfer_cycles();
   max_returns_ = 2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4);
 }
 
@@ -191,7 +191,7 @@ inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
 /// Closes a DRAM row after its last queued hit, if the page policy requires it.
 inline void DramChannel::apply_page_policy(const DramAddress& address) {
   const bool others = (reads_.request_position_mask(address.bank) | writes_.request_position_mask(address.bank)) != 0;
-  if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
+  if (page_policy_.should_close_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
 /// Books the DRAM data bus for the line of a read or write, and counts the transfer.
@@ -199,7 +199,7 @@ inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time 
   const MemRequest& r = entry.request;
   const Cycle data =
       r.write ? device_.write_line(entry.address.bank, cycle) : device_.read_line(entry.address.bank, cycle);
-  const Cycle end = data + device_.data_cycles();
+  const Cycle end = data + device_.line_transfer_cycles();
   data_end_ = std::max(data_end_, end);
   device_.for_each_burst(data, [&](Cycle begin, Cycle burst_end) {
     data_bus_.book_burst({begin, burst_end, r.write});
@@ -283,22 +283,22 @@ void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
     return;
   }
   const std::uint32_t leader = next_bank_to_refresh(rank);
-  const std::uint32_t banks = device_.bank_mask_refreshed_with(leader);
+  const std::uint32_t banks = device_.refresh_bank_mask_of(leader);
   device_.refresh_banks(banks, due);
   note_rows_closed(banks);
   stats_.refreshes += 1;
-  to_refresh_ &= ~(1U << leader);
+  unrefreshed_banks_ &= ~(1U << leader);
   const std::uint32_t of_rank = device_.bank_mask_of_rank(rank);
-  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leader_mask() & of_rank;
+  if ((unrefreshed_banks_ & of_rank) == 0) unrefreshed_banks_ |= device_.refresh_command_bank_mask() & of_rank;
 }
 
 std::uint32_t DramChannel::next_bank_to_refresh(std::uint32_t rank) const {
-  const std::uint32_t candidates = to_refresh_ & device_.bank_mask_of_rank(rank);
+  const std::uint32_t candidates = unrefreshed_banks_ & device_.bank_mask_of_rank(rank);
   if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
     const std::uint32_t wanted = reads_.requested_bank_mask() | writes_.requested_bank_mask();
     for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
       const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
-      if ((wanted & device_.bank_mask_refreshed_with(leader)) == 0) return leader;
+      if ((wanted & device_.refresh_bank_mask_of(leader)) == 0) return leader;
     }
   }
   return static_cast<std::uint32_t>(std::countr_zero(candidates));

@@ -201,8 +201,8 @@ class DramChannel {
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
-  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far, which determines the rank to refresh next
-  std::uint32_t to_refresh_;        ///< mask of the banks that have not been refreshed in this refresh round
+  std::uint64_t refresh_turn_ = 0;   ///< number of refreshes so far, which determines the rank to refresh next
+  std::uint32_t unrefreshed_banks_;  ///< mask of the banks that have not been refreshed in this refresh round
 
   Cycle data_end_ = 0;  ///< last cycle for which data are booked on the data bus
   bool is_down_ = false;

@@ -68,7 +68,7 @@ DramCycleReason DramDevice::wait_reason(DramCommand command, std::uint32_t bank,
         return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
       return calendar_.is_data_bus_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:
-      if (by_bank) return closed_reason_[bank];
+      if (by_bank) return activate_wait_reason_[bank];
       return at == rank.next_activate_cycle(at - 1, t_) ? DramCycleReason::kActivate : DramCycleReason::kCommandBus;
     case kPrecharge:
       return by_bank ? DramCycleReason::kRowConflict : DramCycleReason::kCommandBus;
@@ -88,7 +88,7 @@ inline void DramDevice::apply_constraints(std::uint32_t bank, Cycle now) {
       if constexpr (row.scope == DramScope::kBank) {
         earliest_cycle(row.to, bank) = std::max(earliest_cycle(row.to, bank), bound);
       } else if constexpr (row.scope == DramScope::kBankGroup) {
-        group_at_[row.to == DramOp::kWrite].raise_to(bank_group_mask_of(bank), bound);
+        group_at_[row.to == DramOp::kWrite].raise_to_at_least(bank_group_mask_of(bank), bound);
       } else if constexpr (row.count > 1) {
         rank_[own_rank].add_to_activate_window(bound);
       } else if constexpr (row.scope == DramScope::kRank) {
@@ -125,7 +125,7 @@ void DramDevice::precharge_bank(std::uint32_t bank, Cycle now) {
 void DramDevice::close_bank(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
   apply_constraints<DramOp::kPrecharge>(bank, now);
-  closed_reason_[bank] = DramCycleReason::kRowConflict;
+  activate_wait_reason_[bank] = DramCycleReason::kRowConflict;
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
 }
@@ -134,7 +134,7 @@ DramDevice::Cycle DramDevice::read_line(std::uint32_t bank, Cycle now) {
   now = reserve_burst_sequence(bank, false, now);
   apply_constraints<DramOp::kRead>(bank, now);
   const Cycle data = now + t_.rl + t_.dqsck;
-  rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
+  rank_[rank_of(bank)].wck_stops_at = data + line_transfer_cycles() + t_.wck_post;
   return data;
 }
 
@@ -142,7 +142,7 @@ DramDevice::Cycle DramDevice::write_line(std::uint32_t bank, Cycle now) {
   now = reserve_burst_sequence(bank, true, now);
   apply_constraints<DramOp::kWrite>(bank, now);
   const Cycle data = now + t_.wl + t_.dqss;
-  rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
+  rank_[rank_of(bank)].wck_stops_at = data + line_transfer_cycles() + t_.wck_post;
   return data;
 }
 
@@ -189,7 +189,7 @@ template <DramOp kRefresh>
 void DramDevice::start_refresh(std::uint32_t bank_mask, Cycle begin) {
   for (std::uint32_t left = bank_mask; left != 0; left &= left - 1) {
     apply_constraints<kRefresh>(log2_of(left), begin);
-    closed_reason_[log2_of(left)] = DramCycleReason::kRefresh;
+    activate_wait_reason_[log2_of(left)] = DramCycleReason::kRefresh;
   }
 }
 

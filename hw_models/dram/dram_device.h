@@ -196,7 +196,7 @@ class DramDevice {
   std::uint32_t ready_bank_mask(bool write, Cycle cycle) const {
     const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.banks_with_both_at_most(group_at_[write], cycle)
-                                            : at.banks_at_most(cycle);
+                                            : at.banks_with_value_at_most(cycle);
   }
   /// Returns the first cycle at which the command is allowed in any bank of the mask `bank_mask`. Ignores constraints
   /// of the rank and the buses.
@@ -233,20 +233,20 @@ class DramDevice {
   Cycle read_line(std::uint32_t bank, Cycle now);
   Cycle write_line(std::uint32_t bank, Cycle now);
   /// Returns the number of cycles from the beginning of a line's first burst to the end of its last burst.
-  Cycle data_cycles() const { return column_span_ + t_.burst; }
+  Cycle line_transfer_cycles() const { return column_span_ + t_.burst; }
   /// Calls f(begin, end) for each interval in which a line occupies the DRAM data bus. `data`: start of its data.
   void for_each_burst(Cycle data, auto&& f) const {
-    if (t_.ccd_l == t_.burst) return f(data, data + data_cycles());
+    if (t_.ccd_l == t_.burst) return f(data, data + line_transfer_cycles());
     for (Cycle begin = data; begin <= data + column_span_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
   /// Returns a mask of the banks of a rank.
   std::uint32_t bank_mask_of_rank(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
   /// Returns a mask of the banks that a per-bank refresh command for `bank` refreshes together.
-  std::uint32_t bank_mask_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
+  std::uint32_t refresh_bank_mask_of(std::uint32_t bank) const { return refresh_set_ << bank; }
   /// Returns a mask of the banks that a per-bank refresh command may name. If banks are refreshed in pairs, it is the
   /// lower bank of each pair.
-  std::uint32_t refresh_leader_mask() const { return refresh_leaders_; }
+  std::uint32_t refresh_command_bank_mask() const { return refresh_leaders_; }
 
   /// Closes the banks of the mask `bank_mask` and refreshes them together, as soon as timing allows from cycle `due`
   /// on.
@@ -330,8 +330,8 @@ class DramDevice {
   std::array<std::uint32_t, kMaxBanks> rows_{};
   /// Earliest cycle of a read, write, activate and precharge in each bank, by DramOp.
   std::array<BankLanes, 4> bank_at_;
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< for each closed bank, reason why it cannot be activated
-                                                            ///< yet
+  std::array<DramCycleReason, kMaxBanks> activate_wait_reason_{};  ///< for each closed bank, reason why it cannot be
+                                                                   ///< activated yet
   std::array<BankLanes, 2> group_at_;  ///< earliest read [0] and write [1] that the bank group allows, for each bank
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;

@@ -17,7 +17,7 @@ std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& con
   };
 }
 
-sim::Band dram_idle_mw(const DramConfig& config) {
+sim::Band dram_idle_power_mw(const DramConfig& config) {
   const double ranks = double{1} * config.channels * config.organisation.ranks;
   const double refreshed = config.idle == DramIdle::kSelfRefresh ? config.refreshed_part : 0;
   return (config.energy.power_down_standby + config.energy.self_refresh_array * refreshed) * ranks;

@@ -13,7 +13,7 @@ namespace hw {
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
 /// Returns the power of the whole DRAM between frames, in mW.
-sim::Band dram_idle_mw(const DramConfig& config);
+sim::Band dram_idle_power_mw(const DramConfig& config);
 
 /// Returns the total energy of the events counted by a DRAM channel, in pJ.
 sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats);

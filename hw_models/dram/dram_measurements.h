@@ -35,10 +35,11 @@ class DramClosedForms {
   // Time from the last data of one row hit to the last data of the next row hit.
   double write_after_read() const { return column_span() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
-    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + column_span();
+    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_cycles_after_write() + t_.rl + t_.dqsck +
+           column_span();
   }
   double read_after_write_of_other_group() const {
-    return t_.burst + t_.wtr_s + cas_after_write() + t_.rl + t_.dqsck + column_span();
+    return t_.burst + t_.wtr_s + cas_cycles_after_write() + t_.rl + t_.dqsck + column_span();
   }
   double read_after_read_of_other_rank() const { return column_span() + t_.burst + t_.rtrs + t_.wck_sync; }
 
@@ -63,7 +64,7 @@ class DramClosedForms {
 
  private:
   /// Returns the cycles of the CAS before a read that follows a write after tWTR; 0 if the data clock WCK still runs.
-  std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
+  std::uint32_t cas_cycles_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t column_span() const {
     return (bursts_ - 1) * t_.ccd_l;
     /// Returns the number of cycles from the first to the last column command of a line.

@@ -109,21 +109,21 @@ class DramPagePolicy {
 
   /// True if the row is to be closed after the row hit being served, when no further hit is queued. `other_rows_wait`:
   /// requests for other rows of the bank are queued.
-  bool closes_row(std::uint32_t bank, std::uint32_t row, bool other_rows_wait) {
+  bool should_close_row(std::uint32_t bank, std::uint32_t row, bool other_rows_wait) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
     if (other_rows_wait) {
       count_next_row(bank, true);
       return true;
     }
     last_row_[bank] = row;
-    unproven_ |= 1U << bank;
+    untrained_banks_ |= 1U << bank;
     return others_[bank] >= 2;
   }
 
   /// Updates the row predictor of a DRAM bank when a request arrives.
   void note_request(std::uint32_t bank, std::uint32_t row) {
-    if ((unproven_ >> bank & 1) == 0) return;
-    unproven_ &= ~(1U << bank);
+    if ((untrained_banks_ >> bank & 1) == 0) return;
+    untrained_banks_ &= ~(1U << bank);
     count_next_row(bank, row != last_row_[bank]);
   }
 
@@ -134,7 +134,7 @@ class DramPagePolicy {
   }
 
   PagePolicy policy_;
-  std::uint32_t unproven_ = 0;  ///< mask of the banks whose predictor is updated by the next request
+  std::uint32_t untrained_banks_ = 0;  ///< mask of the banks whose predictor is updated by the next request
   std::array<std::uint32_t, 32> last_row_{};
   std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank; 2 or 3 predicts that the next request
                                            ///< needs another row

@@ -89,7 +89,7 @@ void TileDispatcher::collect_messages(sim::Time now) {
     note_borders_written(done.work->tile,
                          (1U << traces::kMostBorders) - 1);  // a finished tile writes no more borders
     if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.tile, now});
-    source_.give_back(done.work);
+    source_.release_work(done.work);
     in_flight_[core] -= 1;
     stats_.finished += 1;
   }

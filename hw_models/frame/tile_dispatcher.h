@@ -19,9 +19,9 @@ namespace hw {
 class TileSource {
  public:
   virtual ~TileSource() = default;
-  /// Returns the work of the next tile, or null at the end of the frame. The work is valid until give_back(work).
+  /// Returns the work of the next tile, or null at the end of the frame. The work is valid until release_work(work).
   virtual const traces::TileWork* next() = 0;
-  virtual void give_back(const traces::TileWork* work) = 0;
+  virtual void release_work(const traces::TileWork* work) = 0;
   /// Called when the tile returned by the last next() is dispatched to a core at time `now`.
   virtual void note_dispatched([[maybe_unused]] sim::Time now) {}
 };

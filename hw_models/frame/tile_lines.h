@@ -20,8 +20,8 @@ inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
 /// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads. The order is that of the
 /// rays, then of the kernels' accesses; a simulated machine reads the lines in another order.
 template <class Node, class Triangle, class Data>
-void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
-                   Data&& data) {
+void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
+                           Data&& data) {
   const TreeInMemory tree = tree_from_layout(layout);
   const bool node_is_line = tree.has_one_line_per_node();
   for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
@@ -38,7 +38,7 @@ void for_each_line(const traces::TileWork& work, const traces::Layout& layout, N
           if (line.last) break;
         }
       } else if (traces::is_enter(*step)) {
-        node(ray, tree.line_of_instance(traces::instance_of(*step)));
+        node(ray, tree.line_of_instance(traces::instance_index_of(*step)));
       } else if (kind == traces::StepKind::kLeaf) {
         const std::uint32_t first = traces::first_of(*step), count = traces::count_of(*step);
         const Addr end = layout.triangle_at(first) + Addr{count} * layout.triangle_bytes;

@@ -107,7 +107,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
 
 Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
   const sim::UnitId srp =
-      machine_.unit({name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
+      machine_.unit({unit_name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
                      config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
   const auto known = sim::Lookahead::kByOwner;  // run_limits() computes their arrival times
@@ -133,8 +133,8 @@ Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId memory_interfac
 
 Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t core_number) {
   const RasterUnitConfig& raster = config_.raster;
-  const sim::UnitId unit = machine_.unit({name_in_core(RasterUnit::kName, core_number), tni_clock_, core_number + 1,
-                                          raster.sram_bytes(), raster.l1.size.bytes});
+  const sim::UnitId unit = machine_.unit({unit_name_in_core(RasterUnit::kName, core_number), tni_clock_,
+                                          core_number + 1, raster.sram_bytes(), raster.l1.size.bytes});
   auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
   auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
   return {unit, jobs, done, memory_.add_cache_client(core_number, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
@@ -159,10 +159,10 @@ Srp::Frame Gpu::srp_frame_of(const Workload& workload, std::uint32_t core) const
 void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
   Core& core = cores_[core_number];
   const DirectInterfaceConfig& direct = config_.direct_interface;
-  const sim::UnitId dma = machine_.unit({name_in_core(Dma::kName, core_number), srp_clock_, core_number + 1});
+  const sim::UnitId dma = machine_.unit({unit_name_in_core(Dma::kName, core_number), srp_clock_, core_number + 1});
   std::optional<sim::UnitId> between;
   if (!direct.enabled)
-    between = machine_.unit({name_in_core(MemoryInterface::kName, core_number), l2_clock_, core_number + 1});
+    between = machine_.unit({unit_name_in_core(MemoryInterface::kName, core_number), l2_clock_, core_number + 1});
   const Interface wires = link_interface(core, between.value_or(core.srp_id));
 
   const std::vector<MemoryPort> tni = memory_.add_cache_clients(core_number, core.tni.memory_clients());
@@ -180,7 +180,7 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
       Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp, data.requests, data.responses,
                  dma_jobs, dma_dones, raster ? &raster->jobs : nullptr, raster ? &raster->done : nullptr},
       data.client, srp_clock_);
-  machine_.report_subunit(name_in_core(TileBuffer::kName, core_number), core.srp->tile_buffer(),
+  machine_.report_subunit(unit_name_in_core(TileBuffer::kName, core_number), core.srp->tile_buffer(),
                           config_.tile_buffer.size.bytes);
   core.tni.build_units(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                        {wires.rays_to_tni, wires.hits_from_tni, tni});
@@ -250,7 +250,7 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
     filled += 1;
     if (config_.slc.is_present()) memory_.system_cache_slices()[channels.index_of(line)]->warm_line(line);
   };
-  for_each_line(
+  for_each_line_of_tile(
       work, layout_,
       [&](std::uint32_t ray, Addr line) {
         if (!trvs[ray % trvs.size()]->warm_line(line)) second_level(line);

@@ -42,10 +42,10 @@ MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma d
 
 void MemorySystem::declare_ports() {
   const auto core = static_cast<std::uint32_t>(cache_ports_.size());
-  cache_ports_.push_back({machine_.unit({name_in_core(CorePort::kCachePort, core), clock_, core + 1})});
+  cache_ports_.push_back({machine_.unit({unit_name_in_core(CorePort::kCachePort, core), clock_, core + 1})});
   link_to_banks(cache_ports_.back());
   if (dma_ == Dma::kNo) return;
-  dma_ports_.push_back({machine_.unit({name_in_core(CorePort::kDmaPort, core), clock_, core + 1})});
+  dma_ports_.push_back({machine_.unit({unit_name_in_core(CorePort::kDmaPort, core), clock_, core + 1})});
   link_to_channels(dma_ports_.back());
 }
 
@@ -101,11 +101,11 @@ void MemorySystem::build_background() {
       std::uint64_t{dram.organisation.all_banks()} * dram.organisation.rows * dram.organisation.page.bytes;
   const bool by_page = dram.controller.mapping == DramMapping::kRowBankChannelColumn;
   for (std::uint32_t k = 0; k < declared_sources_.size(); ++k) {
-    const BackgroundSource::Place place{.channel = k,
-                                        .channels = dram.channels,
-                                        .line_bytes = dram.line.bytes,
-                                        .granule = by_page ? dram.organisation.page.bytes : dram.line.bytes,
-                                        .lines = bytes / dram.line.bytes};
+    const BackgroundSource::ChannelMapping place{.channel = k,
+                                                 .channels = dram.channels,
+                                                 .line_bytes = dram.line.bytes,
+                                                 .granule = by_page ? dram.organisation.page.bytes : dram.line.bytes,
+                                                 .lines = bytes / dram.line.bytes};
     machine_.build<BackgroundSource>(declared_sources_[k].unit, config_.background, place, declared_sources_[k].links,
                                      sim::Clock(dram.timing.ck.time));
   }

@@ -45,7 +45,7 @@ const std::uint32_t* CoreRays::ray_walk(std::uint32_t ray) {
   return block.words.data() + block.begin[ray % kBlock];
 }
 
-void CoreRays::note_returned(std::uint32_t ray, sim::Time now) {
+void CoreRays::record_return_time(std::uint32_t ray, sim::Time now) {
   blocks_[ray / kBlock - first_].left -= 1;
   for (; !blocks_.empty() && blocks_.front().left == 0; ++first_) {
     const auto traced = first_ + static_cast<std::uint32_t>(blocks_.size());
@@ -77,7 +77,7 @@ void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std
     return watch_(done_);
   };
   Core& core = cores_.emplace_back(Core{CoreRays(rays, tracer_, c, config_.cores, finished)});
-  const sim::UnitId source = machine_.unit({name_in_core("core.rays", c), clock_, c + 1});
+  const sim::UnitId source = machine_.unit({unit_name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);
   const std::vector<MemoryPort> ports = memory_.add_cache_clients(c, tni.memory_clients());

@@ -20,8 +20,8 @@ namespace hw {
 /// Replaces the shader core: sends a ray to the T&I unit every `interval` cycles if the link has room, and accepts each
 /// hit at once.
 ///
-/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. Its `note_returned(ray, now)` is called for
-/// each finished ray.
+/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. Its `record_return_time(ray, now)` is
+/// called for each finished ray.
 template <class Rays>
 class RaySource {
  public:
@@ -32,7 +32,7 @@ class RaySource {
   const sim::Clock& clock() const { return clock_; }
   sim::Time tick(sim::Time now) {
     if (in_.can_pop(now)) {
-      rays_.note_returned(in_.pop(now).id, now);
+      rays_.record_return_time(in_.pop(now).id, now);
       returned_ += 1;
     }
     if (sent_ < rays_.ray_count() && now >= send_at_ && out_.can_push(now)) {
@@ -83,7 +83,7 @@ class CoreRays {
 
   std::uint32_t ray_count() const { return count_; }
   const std::uint32_t* ray_walk(std::uint32_t ray);
-  void note_returned(std::uint32_t ray, sim::Time now);
+  void record_return_time(std::uint32_t ray, sim::Time now);
   std::uint64_t hit_count() const { return hits_; }
   std::uint64_t step_count() const { return steps_; }
 
@@ -108,7 +108,7 @@ class CoreRays {
 };
 
 /// Progress of the traversal of a list of rays.
-struct RaysDone {
+struct RayProgress {
   std::uint32_t blocks = 0;  ///< number of finished blocks of CoreRays::kBlock rays
   std::uint64_t rays = 0, cycles = 0;
 };
@@ -119,7 +119,7 @@ struct RaysDone {
 class RayMachine {
  public:
   /// Callback for each finished block of rays. If it returns false, only the blocks already started are finished.
-  using Watch = std::function<bool(const RaysDone& so_far)>;
+  using Watch = std::function<bool(const RayProgress& so_far)>;
 
   /// `parents`: parent node of each node of the image's BVH. All arguments must outlive this object.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
@@ -154,7 +154,7 @@ class RayMachine {
   const sim::Clock clock_;
   const traces::BvhTracer tracer_;
   const Watch watch_;
-  RaysDone done_;
+  RayProgress done_;
   sim::Machine machine_;
   MemorySystem memory_;
   std::deque<Core> cores_;

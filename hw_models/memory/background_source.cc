@@ -11,14 +11,15 @@ namespace hw {
 namespace {
 
 /// Returns the femtoseconds between two lines of background traffic of one DRAM channel.
-double interval_of(const BackgroundConfig& config, const BackgroundSource::Place& place) {
+double interval_of(const BackgroundConfig& config, const BackgroundSource::ChannelMapping& place) {
   const double lines = static_cast<double>(place.line_bytes) * place.channels;
   return lines / config.rate * sim::kFemtosecondsPerNanosecond;  // a GB/s is a byte per nanosecond
 }
 
 }  // namespace
 
-BackgroundSource::BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock)
+BackgroundSource::BackgroundSource(const BackgroundConfig& config, const ChannelMapping& place, Links links,
+                                   sim::Clock clock)
     : config_(config), place_(place), links_(links), clock_(clock), interval_(interval_of(config, place)) {}
 
 /// Returns the first clock edge at which the next line of background traffic is due.

@@ -72,14 +72,14 @@ class BackgroundSource {
     sim::Link<Flush>& flush_in;
   };
   /// Address mapping of one DRAM channel: which lines of memory are in the channel.
-  struct Place {
+  struct ChannelMapping {
     std::uint32_t channel = 0, channels = 1;
     std::uint64_t line_bytes = kLineBytes;
     std::uint64_t granule = kLineBytes;  ///< number of consecutive bytes that are mapped to one channel
     std::uint64_t lines = 1 << 20;       ///< capacity of the channel in lines
   };
 
-  BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock);
+  BackgroundSource(const BackgroundConfig& config, const ChannelMapping& place, Links links, sim::Clock clock);
   BackgroundSource(const BackgroundSource&) = delete;
   BackgroundSource& operator=(const BackgroundSource&) = delete;
 
@@ -98,7 +98,7 @@ class BackgroundSource {
   MemRequest next_request() const;
 
   const BackgroundConfig config_;
-  const Place place_;
+  const ChannelMapping place_;
   const Links links_;
   const sim::Clock clock_;
   const double interval_;  ///< time between two lines, in femtoseconds

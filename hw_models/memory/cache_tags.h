@@ -143,7 +143,7 @@ class CacheTags {
     if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
       renumber_use_times();
     set_tags[stride_ + way] = ++clock_;
-    if (replacement_ == Replacement::kPlru) point_tree_away_from(trees_[set], way);
+    if (replacement_ == Replacement::kPlru) update_plru_tree(trees_[set], way);
   }
   /// Called before the clock of last uses overflows: replaces each time by its rank within its set, so that the clock
   /// can restart at a small value.
@@ -153,18 +153,18 @@ class CacheTags {
     const std::uint32_t least = sim::index_of_min(use_times_of(set), ways_);
     if (replacement_ == Replacement::kLru || tags_of(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
-    return way_pointed_at(trees_[set]);
+    return plru_victim(trees_[set]);
   }
 
   // In the pseudo-LRU tree of a set, bit n selects which child of node n leads to the next victim. Node 1 is the root;
   // the children of node n are 2n and 2n + 1.
-  void point_tree_away_from(std::uint64_t& tree, std::uint32_t way) const {
+  void update_plru_tree(std::uint64_t& tree, std::uint32_t way) const {
     for (std::uint32_t node = way + ways_; node > 1; node /= 2) {
       const std::uint64_t bit = std::uint64_t{1} << (node / 2);
       tree = node % 2 == 0 ? tree | bit : tree & ~bit;
     }
   }
-  std::uint32_t way_pointed_at(std::uint64_t tree) const {
+  std::uint32_t plru_victim(std::uint64_t tree) const {
     std::uint32_t node = 1;
     while (node < ways_) node = 2 * node + static_cast<std::uint32_t>((tree >> node) & 1U);
     return node - ways_;

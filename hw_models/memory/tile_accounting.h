@@ -34,7 +34,7 @@ class TileAccounting final : public Observer {
   const std::vector<TileAccount>& tiles() const { return accounts_; }
   /// Moves the accounts of all tiles, in dispatch order, out of this object. Call at the end of a run.
   std::vector<TileAccount> take_accounts() { return std::move(accounts_); }
-  const TileAccount& untiled_account() const { return rest_; }
+  const TileAccount& account_without_tile() const { return rest_; }
 
  private:
   TileAccount& account_of(TileTag tile) {

@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 9> names_of(Block) {
 }
 
 /// Returns the name of a unit of a core: ("core.tni.trv", 1) -> "core1.tni.trv".
-inline std::string name_in_core(std::string_view unit_kind, std::uint32_t core_number) {
+inline std::string unit_name_in_core(std::string_view unit_kind, std::uint32_t core_number) {
   constexpr std::string_view kCore = "core";
   return std::string(kCore).append(std::to_string(core_number)).append(unit_kind.substr(kCore.size()));
 }

@@ -23,7 +23,7 @@ struct RayFeeder {
     idle_ = time_without_rays(now);
     in_flight += 1;
   }
-  void note_returned(sim::Time now) {
+  void record_return_time(sim::Time now) {
     if (--in_flight == 0) empty_since_ = now;
   }
   /// Returns the total time up to `now` in which the T&I unit had no ray.

@@ -50,13 +50,13 @@ void ScheduleGraph::fuse_products(const Graph& graph) {
   }
 }
 
-bool ScheduleGraph::adds_product(const GraphNode& node) const {
+bool ScheduleGraph::is_fused_addition(const GraphNode& node) const {
   return op_class_of(node.op) == OpClass::kFpAdd &&
          std::ranges::any_of(node.inputs, [&](std::uint32_t id) { return id != GraphNode::kNone && fused_[id]; });
 }
 
 void ScheduleGraph::add_operations(const GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency) {
-  const OpClass kind = adds_product(node) ? OpClass::kFpMulAdd : op_class_of(node.op);
+  const OpClass kind = is_fused_addition(node) ? OpClass::kFpMulAdd : op_class_of(node.op);
   first_.push_back(static_cast<std::uint32_t>(operations_.size()));
   if (kind == OpClass::kFree || fused_[id]) return;
   const std::uint32_t parts =

@@ -58,7 +58,7 @@ class ScheduleGraph {
   };
 
   void fuse_products(const kernels::Graph& graph);
-  bool adds_product(const kernels::GraphNode& node) const;
+  bool is_fused_addition(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
   /// Returns the bytes that one access of a memory operation of this class moves.
   std::uint32_t access_bytes(OpClass op_class) const {

@@ -155,7 +155,7 @@ std::uint32_t Srp::find_in_flight_slot(const TileJob& job) const {
 }
 
 void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
-  buffer_.return_slots(tiles_[tile].finish_items(node, items));
+  buffer_.free_ray_slots(tiles_[tile].finish_items(node, items));
   launch_.check_pending = true;
   start_transfers(tile);
   end_tile(now, tile);
@@ -366,7 +366,7 @@ void Srp::start_chunk(sim::Time now) {
 
 bool Srp::has_ray_slots(std::uint32_t tile, std::uint32_t node) const {
   const TileRun& run = tiles_[tile];
-  const std::uint64_t rays = run.rays_made(node, run.done_items(node), run.chunk_items(node));
+  const std::uint64_t rays = run.count_produced_rays(node, run.done_items(node), run.next_chunk_size(node));
   if (rays == 0) return true;
   const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
   const bool first_rays_of_younger = tile != by_age_.front() && !run.depends_on_rays(node);
@@ -418,9 +418,9 @@ std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
 /// Adds the next chunk of a launch to the loop. Spills rays of the chunk that find no free ray slot to memory.
 void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
-  const std::uint32_t first = run.done_items(node), items = run.chunk_items(node);
+  const std::uint32_t first = run.done_items(node), items = run.next_chunk_size(node);
   loop_.chunks.add({tile, node, first, items, run.working_items(node, first, items)});
-  const std::uint64_t spilled = buffer_.take_slots(run.rays_made(node, first, items));
+  const std::uint64_t spilled = buffer_.allocate_slots(run.count_produced_rays(node, first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
@@ -446,7 +446,7 @@ void Srp::join_ready_launches(const WorkNode& work) {
     const TileRun& run = tiles_[tile];
     const auto joins = [&](std::uint32_t n) {
       return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
-             loop_.chunks.item_count() + run.chunk_items(n) <= config_.chunk &&
+             loop_.chunks.item_count() + run.next_chunk_size(n) <= config_.chunk &&
              loop_.chunks.find_chunk_of_launch(tile, n) == nullptr && has_ray_slots(tile, n);
     };
     for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_chunk(tile, n);
@@ -491,7 +491,7 @@ inline void Srp::take_hit(sim::Time now) {
   if (arrivals_.hits > now) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
   buffer_.count_writes(sizeof(traces::Hit) / kAccessBytes);
-  rays_.note_returned(now);
+  rays_.record_return_time(now);
   stats_.hits += 1;
   const std::uint32_t tile = tile_of_handle(id);
   const bool may_be_ready = tiles_[tile].finish_ray(index_of_handle(id));

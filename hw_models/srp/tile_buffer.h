@@ -116,7 +116,7 @@ class TileBuffer {
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
   /// Allocates up to `count` free ray slots. Returns the number of requested slots that were not free.
-  std::uint64_t take_slots(std::uint64_t count) {
+  std::uint64_t allocate_slots(std::uint64_t count) {
     const std::uint64_t spilled = count - std::min(count, free_slots());
     used_ += count;
     stats_.slots_taken += count;
@@ -124,7 +124,7 @@ class TileBuffer {
     stats_.spilled_slots += spilled;
     return spilled;
   }
-  void return_slots(std::uint64_t count) { used_ -= count; }
+  void free_ray_slots(std::uint64_t count) { used_ -= count; }
 
   void count_reads(std::uint64_t accesses) { stats_.reads += accesses; }
   void count_writes(std::uint64_t accesses) { stats_.writes += accesses; }

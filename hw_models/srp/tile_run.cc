@@ -97,13 +97,13 @@ std::uint32_t TileRun::available_items(std::uint32_t node_id, const Edge& edge) 
   return static_cast<std::uint32_t>(std::lower_bound(first, first + node(node_id).items, prefix) - first);
 }
 
-std::uint32_t TileRun::chunk_items(std::uint32_t launch) const {
+std::uint32_t TileRun::next_chunk_size(std::uint32_t launch) const {
   return std::min(chunk_, total_items(launch) - done_items(launch));
 }
 
 bool TileRun::is_ready(std::uint32_t launch) const {
   if (is_complete(launch)) return false;
-  const std::uint32_t want = std::min(done_items(launch) + chunk_items(launch), node(launch).items);
+  const std::uint32_t want = std::min(done_items(launch) + next_chunk_size(launch), node(launch).items);
   return std::ranges::all_of(node(launch).inputs, [&](const Edge& e) { return available_items(launch, e) >= want; });
 }
 
@@ -111,7 +111,7 @@ bool TileRun::has_released_inputs(std::uint32_t node_id) const {
   return std::ranges::all_of(node(node_id).inputs, [&](const Edge& e) { return releases_dependents(e.node); });
 }
 
-std::uint32_t TileRun::rays_made(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
+std::uint32_t TileRun::count_produced_rays(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
   std::uint32_t rays = 0;
   for (const std::uint32_t batch : batches_of(launch)) {
     const WorkNode& w = node(batch);

@@ -71,7 +71,7 @@ class TileRun {
   /// True if a transfer waits only for the border of another tile.
   bool is_awaiting_border() const { return awaits_border_; }
   /// Returns the number of items in the next chunk of a launch, including idle ones.
-  std::uint32_t chunk_items(std::uint32_t launch) const;
+  std::uint32_t next_chunk_size(std::uint32_t launch) const;
   /// Returns the item, in the launch that produces a batch, which produces ray number `ray_index` of the batch.
   std::uint32_t source_item(std::uint32_t batch, std::uint32_t ray_index) const {
     const std::uint32_t map = node(batch).sources;
@@ -89,7 +89,7 @@ class TileRun {
     return std::min(first + items, node(launch).items) - std::min(first, node(launch).items);
   }
   /// Returns the number of rays that items `first` to `first + items - 1` of a launch produce, over all its batches.
-  std::uint32_t rays_made(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const;
+  std::uint32_t count_produced_rays(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
   /// Marks `items` more items of a launch or transfer as finished. Returns the number of ray slots that become free.

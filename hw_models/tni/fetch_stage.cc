@@ -22,7 +22,7 @@ void FetchStage::unblock_waiters(Addr line, std::uint64_t slot_mask) {
   }
   if (slot_mask != 0) {
     stats_.rau_fills += 1;
-    rows_read_.push_back(slot_mask);
+    filled_rau_rows_.push_back(slot_mask);
   }
   if (wanted_row_ == line) resume_slots(table_full_);
 }
@@ -39,12 +39,13 @@ bool FetchStage::has_room_in_rau_table(Addr line) {
 
 void FetchStage::remove_from_rau_table(std::uint64_t slot_mask) {
   stats_.rau_reads += 1;
-  const auto row = std::ranges::find_if(rows_read_, [&](std::uint64_t slots) { return (slots & slot_mask) != 0; });
-  assert(row != rows_read_.end() && "a line is kept for a slot that is in no row");
+  const auto row =
+      std::ranges::find_if(filled_rau_rows_, [&](std::uint64_t slots) { return (slots & slot_mask) != 0; });
+  assert(row != filled_rau_rows_.end() && "a line is kept for a slot that is in no row");
   *row &= ~slot_mask;
   if (*row != 0) return;
-  *row = rows_read_.back();
-  rows_read_.pop_back();
+  *row = filled_rau_rows_.back();
+  filled_rau_rows_.pop_back();
   rows_used_ -= 1;
   if (wanted_row_ == kAnyRow) resume_slots(table_full_);
 }

@@ -68,7 +68,7 @@ class FetchStage {
   /// `ready`: the unit's mask of slots that need to read a line. The fetch stage keeps a reference and updates it.
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t client, std::uint64_t& ready)
       : l1_(cache, client, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
-    rows_read_.reserve(rau_.rows);
+    filled_rau_rows_.reserve(rau_.rows);
   }
   FetchStage(const FetchStage&) = delete;
   FetchStage& operator=(const FetchStage&) = delete;
@@ -232,8 +232,8 @@ class FetchStage {
   std::uint64_t table_full_ = 0;  ///< mask with the slot that stalls because the RAU table has no room for it
   Addr wanted_row_ = kAnyRow;     ///< line in whose row the stalled slot needs room; kAnyRow: it needs a free row
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< for each RAU row whose line has arrived: mask of the slots that have not
-                                          ///< resumed
+  std::vector<std::uint64_t> filled_rau_rows_;  ///< for each RAU row whose line has arrived: mask of the slots that
+                                                ///< have not resumed
 };
 
 }  // namespace hw

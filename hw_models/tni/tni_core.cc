@@ -20,17 +20,17 @@ TniConfig with_ideal_pipes(TniConfig config) {
 
 sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock) {
   return machine.unit(
-      {name_in_core(Ist::kName, core), clock, core + 1, config.ist_sram_bytes(), config.ist.l1.size.bytes});
+      {unit_name_in_core(Ist::kName, core), clock, core + 1, config.ist_sram_bytes(), config.ist.l1.size.bytes});
 }
 
 TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core,
                  sim::Clock clock)
     : config_(ideal.tni ? with_ideal_pipes(config) : config),
       ideal_(ideal),
-      dispatcher_id_(machine.unit({name_in_core(RayDispatcher::kName, core), clock, core + 1})),
+      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1})),
       ist_id_(declare_ist(machine, config, core, clock)) {
   for (std::uint32_t t = 0; t < config.trvs; ++t) {
-    trv_ids_.push_back(machine.unit({name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
+    trv_ids_.push_back(machine.unit({unit_name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
                                      config.trv_sram_bytes(), config.trv.l1.size.bytes, config.trv.parts()}));
   }
 }

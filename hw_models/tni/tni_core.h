@@ -71,7 +71,7 @@ class TniCore {
 };
 
 /// Returns the addresses of the BVH and triangles in memory, and the links between nodes, for T&I units. `parents`:
-/// result of traces::parents_of(). Both arguments must outlive the result.
+/// result of traces::parent_indices(). Both arguments must outlive the result.
 inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,

@@ -28,10 +28,10 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
 TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   if (restarting_) return kToInner;
   if (traces::kind_of(next_step_) == StepKind::kCull) {
-    culls_ = traces::culled_of(next_step_);
+    pending_culls_ = traces::culled_of(next_step_);
     go_to_step(next_word_ + 1);
   }
-  if (culls_ > 0) return kToStack;
+  if (pending_culls_ > 0) return kToStack;
   return next_pipe();
 }
 
@@ -53,7 +53,7 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
       entries.pop_back();
     }
     if (traces::is_enter(*step)) {
-      instance = traces::instance_of(*step);
+      instance = traces::instance_index_of(*step);
       must_pop = false;
       continue;
     }

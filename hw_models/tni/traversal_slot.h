@@ -86,7 +86,7 @@ class TraversalSlot {
     static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
                                                  kToStack, kToStack, kToStack, kToRetire};
     const traces::StepKind kind = traces::kind_of(next_step_);
-    if (restarting_ || culls_ > 0 || kind == traces::StepKind::kCull) [[unlikely]]
+    if (restarting_ || pending_culls_ > 0 || kind == traces::StepKind::kCull) [[unlikely]]
       return next_pipe_slow_path();
     if (instances && !must_pop_ && traces::is_enter(next_step_)) [[unlikely]]
       return kToInner;
@@ -150,8 +150,8 @@ class TraversalSlot {
   /// Discards a popped stack entry if it is farther than the ray's hit. Otherwise the ray continues at the entry.
   void consume_entry() {
     stack_depth_ -= 1;
-    if (culls_ > 0) {
-      culls_ -= 1;
+    if (pending_culls_ > 0) {
+      pending_culls_ -= 1;
     } else {
       must_pop_ = false;
     }
@@ -162,7 +162,7 @@ class TraversalSlot {
   const std::uint32_t* next_word_ = nullptr;
   std::uint32_t next_step_ = 0;
   std::uint32_t id_ = 0;
-  std::uint32_t culls_ = 0;             ///< stack entries to be popped and discarded before the next step
+  std::uint32_t pending_culls_ = 0;     ///< stack entries to be popped and discarded before the next step
   std::uint16_t stack_depth_ = 0;       ///< entries pushed and not popped, including those dropped from the short stack
   std::uint16_t short_stack_size_ = 0;  ///< number of entries of the ray in the short stack
   bool must_pop_ = false;               ///< the ray needs a pop before its next step

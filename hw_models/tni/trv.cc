@@ -349,7 +349,7 @@ bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const 
 /// 9 additions, the direction 9 and 6 and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const std::uint32_t instance =
-      slot.is_restarting() ? paths_[index].next_instance() : traces::instance_of(slot.next_step());
+      slot.is_restarting() ? paths_[index].next_instance() : traces::instance_index_of(slot.next_step());
   const FetchStage::Wait wait = fetch_.read_line(index, tree_.line_of_instance(instance), cycle);
   if (wait != FetchStage::Wait::kNothing) return handle_miss(wait, index, cycle);
   stats_.transforms += 1;

@@ -25,7 +25,7 @@ I<V> scramble_bits(const I<V>& key) {
 
 /// Converts a hash to a float in [0, 1), from its upper 24 bits.
 template <class V>
-F<V> unit_float(const I<V>& hash) {
+F<V> hash_to_unit_float(const I<V>& hash) {
   return to_float(hash >> 8U) * 0x1p-24F;
 }
 

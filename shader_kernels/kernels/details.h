@@ -44,10 +44,10 @@ struct Absorb {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
+      variant_name_by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
   static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("surface -> base colour and alpha times a fetch",
-                            "as shade_base, from the nearest mip level", "as shade_base, from two mip levels");
+      variant_name_by_filter<kMips>("surface -> base colour and alpha times a fetch",
+                                    "as shade_base, from the nearest mip level", "as shade_base, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SpecularRecord> optics;
@@ -79,10 +79,10 @@ struct ShadeBase {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
-  static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
-                            "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
+      variant_name_by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
+  static constexpr std::string_view kMeaning = variant_name_by_filter<kMips>(
+      "surface with a metallic-roughness texture -> mirror and diffuse shares",
+      "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -130,10 +130,10 @@ struct ShadePhysical {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBump {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
+      variant_name_by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
   static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("surface with a normal map -> its normal from the map",
-                            "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
+      variant_name_by_filter<kMips>("surface with a normal map -> its normal from the map",
+                                    "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, RayRecord> rays;
@@ -198,10 +198,10 @@ struct ShadeBlend {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeGlow {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
+      variant_name_by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
   static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("surface with an emission texture -> its own light into its sample",
-                            "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
+      variant_name_by_filter<kMips>("surface with an emission texture -> its own light into its sample",
+                                    "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -235,10 +235,10 @@ struct ShadeGlow {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_occluded", "shade_occluded_mip", "shade_occluded_trilinear");
-  static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("surface with an occlusion texture -> ambient light taken back",
-                            "as shade_occluded, from the nearest mip level", "as shade_occluded, from two mip levels");
+      variant_name_by_filter<kMips>("shade_occluded", "shade_occluded_mip", "shade_occluded_trilinear");
+  static constexpr std::string_view kMeaning = variant_name_by_filter<kMips>(
+      "surface with an occlusion texture -> ambient light taken back", "as shade_occluded, from the nearest mip level",
+      "as shade_occluded, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;

@@ -38,8 +38,8 @@ UnitPoint<V> random_point_in_square(const Vec3<V>& hit_direction, const RandomPo
   const I<V> key = (bits_of(hit_direction.x) * 0x9e3779b1U) ^ (bits_of(hit_direction.y) * 0x85ebca77U) ^
                    (bits_of(hit_direction.z) * 0xc2b2ae3dU) ^ draw.seed;
   const I<V> first = scramble_bits<V>(key);
-  const F<V> x = unit_float<V>(first) + draw.x;
-  const F<V> y = unit_float<V>(scramble_bits<V>(first ^ 0x9e3779b9U)) + draw.y;
+  const F<V> x = hash_to_unit_float<V>(first) + draw.x;
+  const F<V> y = hash_to_unit_float<V>(scramble_bits<V>(first ^ 0x9e3779b9U)) + draw.y;
   return {x - floor(x), y - floor(y)};
 }
 

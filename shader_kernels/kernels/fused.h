@@ -22,7 +22,7 @@ namespace kernels {
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_surface", "fetch_surface_instanced", "fetch_surface_cones", "fetch_surface_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
@@ -62,7 +62,7 @@ using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, 
 
 template <bool kInstanced, bool kCones = false>
 struct FetchLit : FetchedAndLit<kInstanced, kCones> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_lit", "fetch_lit_instanced", "fetch_lit_cones", "fetch_lit_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface";
 };
@@ -70,14 +70,14 @@ struct FetchLit : FetchedAndLit<kInstanced, kCones> {
 template <bool kInstanced, bool kCones = false>
 struct FetchLitGeometry : FetchedAndLit<kInstanced, kCones, RecordGeometry<kInstanced>> {
   static constexpr std::string_view kName =
-      name_by_surface<kInstanced, kCones>("fetch_lit_geometry", "fetch_lit_geometry_instanced",
-                                          "fetch_lit_geometry_cones", "fetch_lit_geometry_cones_instanced");
+      variant_name_by_surface<kInstanced, kCones>("fetch_lit_geometry", "fetch_lit_geometry_instanced",
+                                                  "fetch_lit_geometry_cones", "fetch_lit_geometry_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_geometry";
 };
 
 template <bool kInstanced, bool kCones = false>
 struct FetchLitKept : FetchedAndLit<kInstanced, kCones, RecordSurface<kInstanced>> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_lit_kept", "fetch_lit_kept_instanced", "fetch_lit_kept_cones", "fetch_lit_kept_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_surface";
 };
@@ -85,8 +85,8 @@ struct FetchLitKept : FetchedAndLit<kInstanced, kCones, RecordSurface<kInstanced
 template <bool kInstanced, bool kCones = false>
 struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kInstanced>> {
   static constexpr std::string_view kName =
-      name_by_surface<kInstanced, kCones>("fetch_lit_secondary", "fetch_lit_secondary_instanced",
-                                          "fetch_lit_secondary_cones", "fetch_lit_secondary_cones_instanced");
+      variant_name_by_surface<kInstanced, kCones>("fetch_lit_secondary", "fetch_lit_secondary_instanced",
+                                                  "fetch_lit_secondary_cones", "fetch_lit_secondary_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
 };
 
@@ -151,7 +151,7 @@ struct CombineRecordVisibleShadow : Fused<CombineShadow, RecordVisibleShadow> {
 /// Checks a sample and interpolates it in one pass. Used where no later kernel reads the list of samples that passed.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
-                                AllPassed<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
+                                InterpolateAll<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
   static constexpr std::array<std::string_view, 8> kNames{"check_interpolate_x",
                                                           "check_interpolate_y",
                                                           "check_interpolate_x_secondary",
@@ -227,14 +227,14 @@ struct LightSurfaceOcclusion : LitBy<CastOcclusion> {
 
 template <bool kInstanced, bool kCones>
 struct FetchLitOpen : FetchedAndLitBy<kInstanced, kCones, ShadeAmbient, ShadeOpen> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_lit_open", "fetch_lit_open_instanced", "fetch_lit_open_cones", "fetch_lit_open_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_open";
 };
 
 template <bool kInstanced, bool kCones>
 struct FetchLitSoft : FetchedAndLitBy<kInstanced, kCones, ShadeAmbient, ShadeSoft> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_lit_soft", "fetch_lit_soft_instanced", "fetch_lit_soft_cones", "fetch_lit_soft_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_soft";
 };
@@ -242,15 +242,15 @@ struct FetchLitSoft : FetchedAndLitBy<kInstanced, kCones, ShadeAmbient, ShadeSof
 template <bool kInstanced, bool kCones>
 struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
   static constexpr std::string_view kName =
-      name_by_surface<kInstanced, kCones>("fetch_lit_occlusion", "fetch_lit_occlusion_instanced",
-                                          "fetch_lit_occlusion_cones", "fetch_lit_occlusion_cones_instanced");
+      variant_name_by_surface<kInstanced, kCones>("fetch_lit_occlusion", "fetch_lit_occlusion_instanced",
+                                                  "fetch_lit_occlusion_cones", "fetch_lit_occlusion_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
 /// Fetches a surface without texture details and records its normal and depth, which the upsampling filter compares.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "fetch_visible", "fetch_visible_instanced", "fetch_visible_cones", "fetch_visible_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, classify_surfaces, record_visible";
 };

@@ -72,7 +72,7 @@ template <class V>
 Jitter<V> jittered_point(const I<V>& pixel, const I<V>& cell, const I<V>& seed) {
   const I<V> hash_x = scramble_bits<V>(scramble_bits<V>(pixel ^ seed) + cell);
   const I<V> hash_y = scramble_bits<V>(hash_x ^ 0x9e3779b9U);
-  return {unit_float<V>(hash_x), unit_float<V>(hash_y)};
+  return {hash_to_unit_float<V>(hash_x), hash_to_unit_float<V>(hash_y)};
 }
 
 struct GenerateJitteredRays {
@@ -96,7 +96,7 @@ inline constexpr std::uint32_t kGeometrySamples = 4;
 /// Returns the grid column of sample k of four in a pixel: row k of 4 x 4 cells has its sample in column (2 k + 1) mod
 /// 5.
 template <class V>
-F<V> rotated_column(const F<V>& k) {
+F<V> rotated_grid_column(const F<V>& k) {
   const F<V> column = k + k + 1.0F;
   return column - select(F<V>(4.0F) < column, F<V>(5.0F), F<V>(0.0F));
 }
@@ -266,7 +266,7 @@ template <class V>
 GeometrySample<V> unshaded_sample(const I<V>& item) {
   const DivMod<V> of_pixel = div_mod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
   const F<V> k = of_pixel.remainder + 1.0F;
-  const F<V> x = rotated_column<V>(k) * 0.25F + 0.125F;
+  const F<V> x = rotated_grid_column<V>(k) * 0.25F + 0.125F;
   return {of_pixel.quotient, k, x, k * 0.25F + 0.125F};
 }
 

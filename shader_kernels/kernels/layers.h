@@ -44,7 +44,7 @@ struct Layer {
 
 template <class V, bool kColoured, bool kInstanced>
 Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& io, const HitRecord<V>& hit) {
-  const I<V> triangle = triangle_of<V>(hit);
+  const I<V> triangle = triangle_index_of<V>(hit);
   const AttributeFields<V> a = io.attributes.load(triangle);
   const MaterialFields<V> m = io.materials.load(a.material);
   const Weights<V> corners(hit);

@@ -145,10 +145,10 @@ struct ShadeBackground {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =
-      name_by_filter<kMips>("shade_textured", "shade_textured_mip", "shade_textured_trilinear");
-  static constexpr std::string_view kMeaning =
-      name_by_filter<kMips>("textured surface -> base colour times a bilinear fetch",
-                            "as shade_textured, from the nearest mip level", "as shade_textured, from two mip levels");
+      variant_name_by_filter<kMips>("shade_textured", "shade_textured_mip", "shade_textured_trilinear");
+  static constexpr std::string_view kMeaning = variant_name_by_filter<kMips>(
+      "textured surface -> base colour times a bilinear fetch", "as shade_textured, from the nearest mip level",
+      "as shade_textured, from two mip levels");
   template <class V>
   struct Ports : TexturePorts<V, kMips> {
     Local<V, WordRecord> textured;
@@ -176,7 +176,7 @@ struct ShadeTextured {
     if constexpr (kMips == MipFilter::kNone) {
       return sample_texture<V>(io.axes, io.texels, uv.texture, uv.u, uv.v);
     } else {
-      return io.sample_mip_level(texture_number<V, kMips>(uv), footprint_of<V>(uv.texture), uv.u, uv.v);
+      return io.sample_mip_level(texture_number<V, kMips>(uv), unpack_footprint<V>(uv.texture), uv.u, uv.v);
     }
   }
 };

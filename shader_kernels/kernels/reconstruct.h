@@ -288,7 +288,7 @@ struct Reconstruct {
                               return weigh_other_sample<V>(own, index, inside, io);
                             });
     }
-    const std::array<F<V>, kGeometrySamples> shares = sample_fractions<V>(own.samples, taps);
+    const std::array<F<V>, kGeometrySamples> shares = inverse_weight_sums<V>(own.samples, taps);
     Vec3<V> sum;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
       F<V> share = taps[t].weights[0] * shares[0];
@@ -301,7 +301,8 @@ struct Reconstruct {
 
   /// Returns for each of the pixel's four samples 1/4 divided by its sum of filter weights (r_i in the formula).
   template <class V>
-  static std::array<F<V>, kGeometrySamples> sample_fractions(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
+  static std::array<F<V>, kGeometrySamples> inverse_weight_sums(const Samples<V>& own,
+                                                                std::array<Tap<V>, kTaps>& taps) {
     std::array<F<V>, kGeometrySamples> shares;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
       F<V> all = taps[0].weights[k];

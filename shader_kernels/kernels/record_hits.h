@@ -99,11 +99,11 @@ using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 /// Returns the index of the record in Objects that contains a hit's object id.
 template <class V>
 I<V> object_record_index(const HitRecord<V>& hit) {
-  return triangle_of<V>(hit);
+  return triangle_index_of<V>(hit);
 }
 template <class V>
 I<V> object_record_index(const InstanceHitRecord<V>& hit) {
-  return instance_of<V>(hit);
+  return instance_index_of<V>(hit);
 }
 
 /// Returns the object id, with kTexturedObject set if the material classes include a texture.
@@ -136,7 +136,7 @@ struct SurfaceHit {
   PathRecord<V> path;
 };
 template <class V, bool kInstanced>
-SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& io) {
+SurfaceHit<V> load_surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& io) {
   const I<V> slot = io.surfaces.load(item).word;
   const SurfacePointRecord<V> point = io.points.load(slot);
   const I<V> object = io.objects.load(object_record_index<V>(io.hits.load(slot))).object;
@@ -159,7 +159,7 @@ struct RecordGeometry {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, io);
+    const SurfaceHit<V> hit = load_surface_hit<V, kInstanced>(item, io);
     io.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
   }
 };
@@ -180,7 +180,7 @@ struct RecordTraits {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, io);
+    const SurfaceHit<V> hit = load_surface_hit<V, kInstanced>(item, io);
     io.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
   }
 };
@@ -219,7 +219,7 @@ struct RecordSurface {
     const auto found = io.objects.load(object_record_index<V>(hit));
     Vec3<V> across;
     if constexpr (kInstanced) {
-      across = normal_to_world<V>(found, scaled_plane_normal<V>(io.corners.load(triangle_of<V>(hit))));
+      across = normal_to_world<V>(found, scaled_plane_normal<V>(io.corners.load(triangle_index_of<V>(hit))));
     } else {
       across = scaled_plane_normal<V>(found);
     }
@@ -331,7 +331,7 @@ struct RecordBranch {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const auto [point, object, path] = surface_hit<V, kInstanced>(item, io);
+    const auto [point, object, path] = load_surface_hit<V, kInstanced>(item, io);
     const TraitsRecord<V> so_far = io.traits.load(path.sample);
     const BranchRecord<V> branch = io.branches.load(path.sample);
     const M<V> most = branch.weight <= max_channel(path.throughput);

@@ -18,7 +18,8 @@ enum class MipFilter : std::uint8_t {
 
 /// Returns the name of a kernel variant: one of three names, selected by the mip filter kMips.
 template <MipFilter kMips>
-constexpr std::string_view name_by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
+constexpr std::string_view variant_name_by_filter(std::string_view none, std::string_view nearest,
+                                                  std::string_view linear) {
   return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;
 }
 
@@ -55,7 +56,7 @@ struct TexelPair {
   F<V> weight;
 };
 template <class V>
-TexelPair<V> texel_pair(const F<V>& coordinate, const AxisRecord<V>& axis) {
+TexelPair<V> find_texel_pair(const F<V>& coordinate, const AxisRecord<V>& axis) {
   const F<V> bounded = min(max(coordinate, axis.low), axis.high);
   const F<V> folded = bounded - floor(bounded * axis.inverse_period) * axis.period;
   const F<V> texel = min(folded, 2.0F - folded) * axis.size - axis.offset;
@@ -71,8 +72,8 @@ template <class V>
 TexelSample<V> sample_texture(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture,
                               const F<V>& u, const F<V>& v) {
   const I<V> axis = texture << 1U;
-  const TexelPair<V> x = texel_pair<V>(u, axes.load(axis));
-  const TexelPair<V> y = texel_pair<V>(v, axes.load(axis + 1U));
+  const TexelPair<V> x = find_texel_pair<V>(u, axes.load(axis));
+  const TexelPair<V> y = find_texel_pair<V>(v, axes.load(axis + 1U));
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
@@ -96,11 +97,11 @@ struct TrilinearSample {
 /// Mask of the texture number in TexcoordRecord::texture; in scenes with mip maps the other bits are the footprint.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
-I<V> with_footprint(const I<V>& texture, const F<V>& footprint) {
+I<V> pack_footprint(const I<V>& texture, const F<V>& footprint) {
   return (texture & kTextureMask) | (bits_of(footprint) & ~kTextureMask);
 }
 template <class V>
-F<V> footprint_of(const I<V>& word) {
+F<V> unpack_footprint(const I<V>& word) {
   return from_bits(word & ~kTextureMask);
 }
 
@@ -165,7 +166,7 @@ struct DetailPorts : TexturePorts<V, kMips> {
     if constexpr (kMips == MipFilter::kNone) {
       return sample_texture<V>(this->axes, this->texels, texture, u, v);
     } else {
-      const F<V> footprint = select(use_second, F<V>(0.0F), footprint_of<V>(uv.texture));
+      const F<V> footprint = select(use_second, F<V>(0.0F), unpack_footprint<V>(uv.texture));
       return this->sample_mip_level(texture, footprint, u, v);
     }
   }

@@ -46,7 +46,7 @@ struct SpecularHit {
   Interface<V> glass;
 };
 template <class V>
-SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& io) {
+SpecularHit<V> load_specular_hit(const I<V>& item, const SecondaryPorts<V>& io) {
   const I<V> slot = io.stream.load(item).word;
   const SurfacePointRecord<V> point = io.points.load(slot);
   const Vec3<V> direction = io.rays.load(slot).direction;
@@ -63,7 +63,7 @@ struct ShadeMirror {
   using Ports = SecondaryPorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, io);
+    const auto [point, direction, path, optics, glass] = load_specular_hit<V>(item, io);
     const F<V> share = optics.entering * glass.reflectance;
     const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
     const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
@@ -80,7 +80,7 @@ struct ShadeGlass {
   using Ports = SecondaryPorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, io);
+    const auto [point, direction, path, optics, glass] = load_specular_hit<V>(item, io);
     const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
     const Vec3<V> refracted = direction * glass.eta + point.normal * bend;
     const F<V> share = optics.entering * (1.0F - glass.reflectance);

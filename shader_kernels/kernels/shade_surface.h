@@ -30,11 +30,11 @@ HitRecord<V> with_float_weights(const InstanceHitRecord<V>& hit) {
 }
 
 template <class V>
-I<V> triangle_of(const auto& hit) {
+I<V> triangle_index_of(const auto& hit) {
   return hit.triangle & traces::kTriangleMask;
 }
 template <class V>
-I<V> instance_of(const InstanceHitRecord<V>& hit) {
+I<V> instance_index_of(const InstanceHitRecord<V>& hit) {
   return (hit.u & traces::kHalfMask) | ((hit.v & traces::kHalfMask) << traces::kHalfBits);
 }
 
@@ -84,8 +84,8 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
 
 /// Returns the name of a kernel variant: one of four names, with or without instances and with or without ray cones.
 template <bool kInstanced, bool kCones>
-constexpr std::string_view name_by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
-                                           std::string_view cones_instanced) {
+constexpr std::string_view variant_name_by_surface(std::string_view plain, std::string_view instanced,
+                                                   std::string_view cones, std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
@@ -101,9 +101,9 @@ inline constexpr float kLeastCosine = 0x1p-6F;
 /// line.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
-  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
       "shade_surface", "shade_surface_instanced", "shade_surface_cones", "shade_surface_cones_instanced");
-  static constexpr std::string_view kMeaning = name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kMeaning = variant_name_by_surface<kInstanced, kCones>(
       "hit -> surface: position, normal, texture coordinates, base colour",
       "as shade_surface, with the normal out of the mesh's space", "as shade_surface, with the footprint of ray cones",
       "as shade_surface_cones, with the normal out of the mesh's space");
@@ -136,7 +136,7 @@ struct ShadeSurface {
     const RayRecord<V> ray = io.rays.load(slot);
     const auto found = io.hits.load(slot);
     const HitRecord<V> hit = with_float_weights<V>(found);
-    const AttributeFields<V> a = io.attributes.load(triangle_of<V>(hit));
+    const AttributeFields<V> a = io.attributes.load(triangle_index_of<V>(hit));
     const MaterialFields<V> m = io.materials.load(a.material);
 
     const Weights<V> corners(hit);
@@ -144,7 +144,7 @@ struct ShadeSurface {
     InstanceFields<V> instance;
     const Vec3<V> of_mesh = interpolated;
     if constexpr (kInstanced) {
-      instance = io.instances.load(instance_of<V>(found));
+      instance = io.instances.load(instance_index_of<V>(found));
       interpolated = normal_to_world<V>(instance, interpolated);
     }
     const F<V> length = sqrt(max(dot(interpolated, interpolated), F<V>(1e-30F)));
@@ -157,7 +157,7 @@ struct ShadeSurface {
       const F<V> width = (sqrt(dot(before, before)) + hit.t) * io.cone.spread;
       F<V> density = length;
       if constexpr (kInstanced) density = density_in_world<V>(instance, of_mesh, length);
-      texture = with_footprint<V>(texture, width * density / max(abs(cosine), F<V>(kLeastCosine)));
+      texture = pack_footprint<V>(texture, width * density / max(abs(cosine), F<V>(kLeastCosine)));
     }
     io.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     io.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
@@ -193,7 +193,7 @@ struct FetchVertices {
     const HitRecord<V> hit = with_float_weights<V>(found);
     const DiffuseRecord<V> matte = io.mattes.load(slot);
     SpecularRecord<V> optics = io.optics.load(slot);
-    const VertexFields<V> vertex = io.vertices.load(triangle_of<V>(hit));
+    const VertexFields<V> vertex = io.vertices.load(triangle_index_of<V>(hit));
     const Weights<V> corners(hit);
     const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
     io.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
@@ -208,7 +208,7 @@ struct FetchVertices {
     Vec3<V> tangent{signed_byte(0), signed_byte(1), signed_byte(2)};
     F<V> handedness = signed_byte(3);
     if constexpr (kInstanced) {
-      const InstanceFields<V> instance = io.instances.load(instance_of<V>(found));
+      const InstanceFields<V> instance = io.instances.load(instance_index_of<V>(found));
       tangent = tangent_to_world<V>(instance, tangent);
       handedness = handedness * instance.handedness;
     }

@@ -88,7 +88,7 @@ struct PassedSample {
   F<V> weight;  ///< interpolation weight of sample `after`; sample `before` has 1 minus this weight
 };
 template <class V>
-PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
+PassedSample<V> unpack_passed_sample(const I<V>& word, const LineUniforms<V>& line) {
   const I<V> sample = word & kSampleMask;
   const F<V> steps = to_float(word >> kGapShift) + 1.0F;
   const F<V> own = to_float(sample);
@@ -99,7 +99,7 @@ PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
 /// Runs interpolation kernel K over all samples instead of the list of those that passed. Samples that failed are
 /// traced afterwards, which overwrites them.
 template <bool kAlongY, class K>
-struct AllPassed {
+struct InterpolateAll {
   using Of = K;
   template <class V>
   using Ports = typename K::template Ports<V>;
@@ -130,7 +130,7 @@ void write_verdict(VerdictPorts<V>& io, const SampleNeighbours<V>& neighbours, c
 }
 
 template <class V>
-I<V> fails_if(const M<V>& mask, Check check) {
+I<V> check_bit_if(const M<V>& mask, Check check) {
   return select(mask, I<V>(check_bit(check)), I<V>(0U));
 }
 
@@ -188,14 +188,14 @@ struct CheckSimilarity {
     const GeometryRecord<V> before = io.geometry.load(b.before);
     const GeometryRecord<V> after = io.geometry.load(b.after);
     I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(check_bit(Check::kObject))) |
-                  fails_if<V>(dot(before.normal, after.normal) < io.least_dot, Check::kNormal) |
+                  check_bit_if<V>(dot(before.normal, after.normal) < io.least_dot, Check::kNormal) |
                   select(before.shadows == after.shadows, I<V>(0U), I<V>(check_bit(Check::kShadow)));
     if constexpr (kSecondary) {
       const SecondaryRecord<V> one = io.secondary.load(b.before);
       const SecondaryRecord<V> other = io.secondary.load(b.after);
       const F<V> least = min(dot(one.mirror_normal, other.mirror_normal), dot(one.glass_normal, other.glass_normal));
       failed = failed | select(one.objects == other.objects, I<V>(0U), I<V>(check_bit(Check::kSecondaryObject))) |
-               fails_if<V>(least < io.least_dot, Check::kSecondaryNormal) |
+               check_bit_if<V>(least < io.least_dot, Check::kSecondaryNormal) |
                select(one.shadows == other.shadows, I<V>(0U), I<V>(check_bit(Check::kSecondaryShadow)));
     }
     if constexpr (kTexture) {
@@ -203,7 +203,7 @@ struct CheckSimilarity {
       const Vec3<V> other = io.colours.load(b.after).rgb;
       const F<V> apart = encoded_distance_squared<V>(one, other);
       const M<V> textured = (before.object & kTexturedObject) == kTexturedObject;
-      failed = failed | fails_if<V>(logical_and(textured, io.texture_squared < apart), Check::kTexture);
+      failed = failed | check_bit_if<V>(logical_and(textured, io.texture_squared < apart), Check::kTexture);
       const M<V> rough = logical_and(textured, io.rate_squared < apart);
       io.rough_count.next_index(logical_and(rough, select(b.outside, I<V>(1U), failed) == 0U));
     }
@@ -241,7 +241,7 @@ struct InterpolateSample {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    interpolate<V>(passed_sample<V>(io.passed.load(item).word, io.line), io);
+    interpolate<V>(unpack_passed_sample<V>(io.passed.load(item).word, io.line), io);
   }
   template <class V>
   static void interpolate(const PassedSample<V>& p, const Ports<V>& io) {
@@ -309,20 +309,20 @@ struct CheckAttributes {
     const F<V> squared = dot(d, d);
     const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
     I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(check_bit(Check::kObject))) |
-                  fails_if<V>(io.apart_squared < squared, Check::kPosition) |
-                  fails_if<V>(dot(g0.normal, g1.normal) < io.least_dot, Check::kNormal) |
-                  fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
+                  check_bit_if<V>(io.apart_squared < squared, Check::kPosition) |
+                  check_bit_if<V>(dot(g0.normal, g1.normal) < io.least_dot, Check::kNormal) |
+                  check_bit_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
                   select(g0.shadows == g1.shadows, I<V>(0U), I<V>(check_bit(Check::kShadow)));
     if constexpr (kColours) {
       const F<V> colours = encoded_distance_squared<V>(io.globals.load(b.before).rgb, io.globals.load(b.after).rgb);
-      failed = failed | fails_if<V>(io.colour_squared < colours, Check::kColour);
+      failed = failed | check_bit_if<V>(io.colour_squared < colours, Check::kColour);
     }
     if constexpr (kTextures) {
       const M<V> over_edge = logical_or(crosses_texture_border<V>(s0.u, s1.u, io.texture),
                                         crosses_texture_border<V>(s0.v, s1.v, io.texture));
       const M<V> has_any = I<V>(0U) < (s0.classes & (traces::kTextured | traces::kOccluded));
       constexpr std::uint32_t kUnkept = traces::kOccluded | traces::kOcclusionSecond;
-      failed = failed | fails_if<V>(logical_and(over_edge, has_any), Check::kTexture) |
+      failed = failed | check_bit_if<V>(logical_and(over_edge, has_any), Check::kTexture) |
                select((s0.classes & kUnkept) == kUnkept, I<V>(check_bit(Check::kDetail)), I<V>(0U));
     }
     write_verdict<V>(io, b, failed);
@@ -357,7 +357,7 @@ struct InterpolateAttributes {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const PassedSample<V> p = passed_sample<V>(io.passed.load(item).word, io.line);
+    const PassedSample<V> p = unpack_passed_sample<V>(io.passed.load(item).word, io.line);
     const GeometryRecord<V> g = lerp_geometry<V>(io.geometry.load(p.before), io.geometry.load(p.after), p.weight);
     const SurfaceRecord<V> a = io.kept.load(p.before);
     const SurfaceRecord<V> b = io.kept.load(p.after);

@@ -66,7 +66,7 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   if (wave.wave_tracer().counts_pixels()) {
     for (std::uint32_t i = 0; i < samples; ++i) {
       const std::uint32_t pixel = i / samples_;
-      wave.wave_tracer().place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
+      wave.wave_tracer().assign_ray_to_pixel(i, out.x + pixel % out.width, out.y + pixel / out.width);
     }
   }
   wave.run(generated, samples);
@@ -94,12 +94,12 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   const std::uint64_t offset = std::uint64_t{out.tile} * tile_pixels() * kPixelBytes;
   if (scene_.dma_encodes && samples_ == 1) {
     for (std::uint32_t i = 0; i < samples; ++i) out.linear[i] = out.averaged_colour(i);
-    graph.wait_for_colours(graph.write_linear(offset));
+    graph.wait_for_colour_writers(graph.write_linear_pixels(offset));
     return;
   }
   if (scene_.fuses && samples_ == 1) {
     const Wavefront::Node packed = graph.launch<PackSample>(samples);
-    graph.wait_for_colours(packed);
+    graph.wait_for_colour_writers(packed);
     graph.write_packed_pixels(packed, offset);
     return;
   }
@@ -107,7 +107,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = reciprocal_of(samples_);
   const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
-  graph.wait_for_colours(averaged);
+  graph.wait_for_colour_writers(averaged);
   graph.write_pixels(averaged, offset);
 }
 

@@ -26,9 +26,9 @@ class GeometryPass final : public FrameProgram {
   void commit_tile(const TileResult& tile) override;
 
   const std::vector<float>& picture() const override { return program_->picture(); }
-  std::vector<float> take_picture() override { return program_->take_picture(); }
+  std::vector<float> move_picture_out() override { return program_->move_picture_out(); }
   const Sampling& sampling() const override { return program_->sampling(); }
-  void keep_marks() override { program_->keep_marks(); }
+  void enable_marks() override { program_->enable_marks(); }
   const std::vector<SampleMark>& sample_marks() const override { return program_->sample_marks(); }
 
  private:

@@ -19,7 +19,7 @@ namespace kernels {
 namespace {
 
 /// Throws if the frame has occlusion or soft shadows: undersample lights interpolated surfaces without rays.
-void check_undersampled(const Effects& effects) {
+void check_undersample_effects(const Effects& effects) {
   for (const Effect effect : {Effect::kOcclusion, Effect::kSoftShadows}) {
     if (!effects.has(effect)) continue;
     throw sim::InputError(fmt::format(
@@ -30,15 +30,15 @@ void check_undersampled(const Effects& effects) {
 }
 
 /// Throws if effects have a lower rate and the program is not full:1, the only one that can filter them.
-void check_rate(const ProgramSpec& spec, EffectRate rate) {
+void check_effect_rate(const ProgramSpec& spec, EffectRate rate) {
   if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
   throw sim::InputError(fmt::format(
       "render.effect_rate: {}: the program {} has effects at every sample; allowed: full, or the program full:1",
       names_of(rate)[static_cast<std::size_t>(rate)], spec.name()));
 }
 
-std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f) {
-  check_rate(spec, f.render.effect_rate);
+std::unique_ptr<FrameProgram> make_plain_program(const ProgramSpec& spec, const Frame& f) {
+  check_effect_rate(spec, f.render.effect_rate);
   if (f.render.effect_rate != EffectRate::kFull && f.render.has_low_rate_effects()) {
     return std::make_unique<UpsampledProgram>(f.image, f.camera, f.render, f.programs.reconstruct, f.scene_size,
                                               f.number);
@@ -50,7 +50,7 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
     case ProgramSpec::Kind::kSupersample:
       return std::make_unique<SupersampleProgram>(f.image, f.camera, f.render, f.programs.supersample, f.number);
     case ProgramSpec::Kind::kUndersample:
-      check_undersampled(parse_effects(f.render.effects));
+      check_undersample_effects(parse_effects(f.render.effects));
       return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.scene_size,
                                                   f.number);
     case ProgramSpec::Kind::kReconstruct:
@@ -67,7 +67,7 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
 }
 
 /// Returns the desired side of a tile in pixels.
-std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
+std::uint32_t desired_tile_side(const ProgramSpec& spec, const Frame& f) {
   std::uint32_t grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   using Kind = ProgramSpec::Kind;
   const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
@@ -80,10 +80,10 @@ std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
 }  // namespace
 
 std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
-  std::unique_ptr<FrameProgram> program = make_plain(spec, f);
+  std::unique_ptr<FrameProgram> program = make_plain_program(spec, f);
   if (f.render.primary == Primary::kRays) return program;
   auto rasteriser =
-      make_rasteriser(f.image, f.camera, f.render.width, f.render.height, f.render.raster, side_of_tile(spec, f));
+      make_rasteriser(f.image, f.camera, f.render.width, f.render.height, f.render.raster, desired_tile_side(spec, f));
   return std::make_unique<GeometryPass>(std::move(program), std::move(rasteriser), f.number);
 }
 

@@ -16,13 +16,13 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       bend_(filter.bend_factor()),
       eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
 
-std::uint32_t UpsampledProgram::light_bytes() const {
+std::uint32_t UpsampledProgram::light_bytes_per_sample() const {
   return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>));
 }
 
 /// Returns the mean bytes per sample of a border. The outer half of the halo needs only visible fractions and geometry.
 /// The neighbour computes the final colours of the inner half and needs all its data.
-std::uint32_t UpsampledProgram::exchanged_bytes() const {
+std::uint32_t UpsampledProgram::exchanged_bytes_per_sample() const {
   const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
   return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;
 }
@@ -31,9 +31,10 @@ FrameRequirements UpsampledProgram::requirements() const {
   const std::uint32_t pixels = tiles_.tile_side() * tiles_.tile_side();
   FrameRequirements needs;
   needs.tile_samples = pixels;
-  needs.attribute_bytes = pixels * (static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) + light_bytes());
+  needs.attribute_bytes =
+      pixels * (static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) + light_bytes_per_sample());
   needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tiles_.most_pixels() * kPixelBytes,
-                        tiles_.tile_count() * stored_bytes(), 0};
+                        tiles_.tile_count() * stored_bytes_per_tile(), 0};
   return needs;
 }
 
@@ -74,7 +75,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   TileGraph& graph = tile.graph;
   const std::uint32_t pixels = across * down;
   tile.out.buffer.reserve_wave(pixels);
-  const LatticeUniforms<float> lattice = tiles_.rect_samples(x, y, across);
+  const LatticeUniforms<float> lattice = tiles_.rect_sample_lattice(x, y, across);
   Node cleared = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     ClearEffects::Ports<float> ports;
@@ -92,8 +93,8 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   graph.wait_for_all(generated, cleared);
   graph.register_record_writer(generated);
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < pixels; ++i) {
-    wave.wave_tracer().place_ray(i, tile.at.x + x + i % across - tiles_.halo_width(),
-                                 tile.at.y + y + i / across - tiles_.halo_width());
+    wave.wave_tracer().assign_ray_to_pixel(i, tile.at.x + x + i % across - tiles_.halo_width(),
+                                           tile.at.y + y + i / across - tiles_.halo_width());
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
@@ -106,8 +107,9 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
 /// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void UpsampledProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
-    tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * exchanged_bytes(),
-                              part.across * part.down * exchanged_bytes());
+    tile.graph.import_samples(part.border,
+                              stored_bytes_per_tile() * part.border.tile + part.first * exchanged_bytes_per_sample(),
+                              part.across * part.down * exchanged_bytes_per_sample());
     tile.graph.pause_recording();
     trace_pixels(tile, part.x, part.y, part.across, part.down);
     tile.graph.resume_recording();
@@ -115,9 +117,10 @@ void UpsampledProgram::fill_halo(Tile& tile) const {
 }
 
 void UpsampledProgram::export_borders(Tile& tile) const {
-  const std::uint64_t store = stored_bytes() * tile.at.index;
+  const std::uint64_t store = stored_bytes_per_tile() * tile.at.index;
   tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
-    tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+    tile.graph.export_samples(border, store + first * exchanged_bytes_per_sample(),
+                              samples * exchanged_bytes_per_sample());
   });
 }
 
@@ -138,8 +141,8 @@ UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
     ports.apart = layer * position_count();
     const Node next = tile.graph.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
     if (layer == 0) {
-      tile.graph.wait_for_records(next);
-      tile.graph.wait_for_colours(next);
+      tile.graph.wait_for_record_writers(next);
+      tile.graph.wait_for_colour_writers(next);
     }
     tile.graph.wait_for_all(next, last);
     last = next;

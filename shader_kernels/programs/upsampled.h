@@ -49,9 +49,9 @@ class UpsampledProgram final : public FrameProgram {
 
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Return the bytes of a sample's data for all lights, and the mean bytes per border sample that neighbours read.
-  std::uint32_t light_bytes() const;
-  std::uint32_t exchanged_bytes() const;
-  std::uint64_t stored_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
+  std::uint32_t light_bytes_per_sample() const;
+  std::uint32_t exchanged_bytes_per_sample() const;
+  std::uint64_t stored_bytes_per_tile() const { return tiles_.stored_samples() * exchanged_bytes_per_sample(); }
   void trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
   void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;

@@ -57,8 +57,8 @@ void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vecto
 
 /// Throws InputError for a field that violates a rule of its group. If other fields of the group were set nearer to the
 /// user, the error names their origins, because these settings caused it.
-[[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, std::size_t nearness,
-                              const std::string& path, std::string_view problem) {
+[[noreturn]] void throw_rule_violation(const ConfigNode& group, std::string_view at, std::size_t nearness,
+                                       const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;
   std::vector<std::string> origins;
   find_nearest_origins(group, nearness, origins);
@@ -83,8 +83,8 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
     const bool is_given = named != nullptr && !named->origin.empty();
     // A default counts as set in the file, not by --set.
-    refuse_rule(group, is_given ? std::string_view(named->origin) : origin, is_given ? named->nearness : kNearestFile,
-                path, problem);
+    throw_rule_violation(group, is_given ? std::string_view(named->origin) : origin,
+                         is_given ? named->nearness : kNearestFile, path, problem);
   });
 }
 

@@ -144,7 +144,7 @@ std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
   const FieldKind kind = field.kind();
   if (kind == FieldKind::kDouble || kind == FieldKind::kBand) return with_decimal_points(text);
-  return kind == FieldKind::kEnum && boolean_of_word(text) ? double_quoted(text) : text;
+  return kind == FieldKind::kEnum && yaml_boolean_of(text) ? double_quoted(text) : text;
 }
 
 class DumpWriter {
@@ -265,7 +265,7 @@ Json band_schema(const ConfigNode& field) {
 Json enum_schema(const std::vector<std::string_view>& names) {
   Json choices = names;
   for (const std::string_view name : names) {
-    if (const std::optional<bool> boolean = boolean_of_word(name)) choices.push_back(*boolean);
+    if (const std::optional<bool> boolean = yaml_boolean_of(name)) choices.push_back(*boolean);
   }
   return {{"enum", choices}};
 }

@@ -238,7 +238,7 @@ void ConfigLoader::apply_extends(ConfigNode& group, const YamlNode& name, const 
 }
 
 void ConfigLoader::apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source) {
-  FigureScale factors;
+  BandScale factors;
   for (const YamlNode::Entry& entry : scale.entries) {
     Band factor;
     ConfigNode field;

@@ -15,7 +15,7 @@ Band product(const Band& a, const Band& b) { return {a.low * b.low, a.nominal * 
 
 }  // namespace
 
-std::string FigureScale::covering_key(std::string_view path) const {
+std::string BandScale::covering_key(std::string_view path) const {
   std::string_view longest;
   for (const auto& [key, factor] : factors_) {
     if (covers(key, path) && key.size() > longest.size()) longest = key;
@@ -23,7 +23,7 @@ std::string FigureScale::covering_key(std::string_view path) const {
   return std::string(longest);
 }
 
-std::string FigureScale::apply(ConfigNode& group) const {
+std::string BandScale::apply(ConfigNode& group) const {
   std::set<std::string> used;
   const auto scale = [&](const std::string& path, Band& figure) {
     const std::string key = covering_key(path);

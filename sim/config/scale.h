@@ -11,7 +11,7 @@ namespace sim {
 ///
 /// A key is a field of the group, or a field and the beginning of an entry's name. "events" covers all entries of field
 /// `events`. "events.cache" covers the entry "cache.l1_read@16KiB" and overrides "events" for it.
-class FigureScale {
+class BandScale {
  public:
   /// Adds a key and the factor of the values that it covers.
   void add(std::string key, const Band& factor) { factors_[std::move(key)] = factor; }

@@ -30,7 +30,7 @@ std::string_view without_unit(std::string_view text, std::string_view unit) {
   return text;
 }
 
-[[noreturn]] void refuse_kind(std::string_view text, std::string_view what, const ConfigNode& field) {
+[[noreturn]] void throw_wrong_kind(std::string_view text, std::string_view what, const ConfigNode& field) {
   throw BadValue{fmt::format("'{}' is not {}; allowed: {}", text, what, allowed_text(field))};
 }
 
@@ -50,7 +50,7 @@ Integer parse_integer(const ConfigNode& field, std::string_view text) {
     const bool is_negative = digits.size() > 1 && digits.find_first_not_of("0123456789", 1) == std::string_view::npos &&
                              digits.front() == '-';
     if (is_negative) throw BadValue{out_of_range_text(field, text)};
-    refuse_kind(text, "a whole number", field);
+    throw_wrong_kind(text, "a whole number", field);
   }
   return value;
 }
@@ -83,7 +83,7 @@ double parse_double(const ConfigNode& field, std::string_view digits, std::strin
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
-    refuse_kind(text, what, field);
+    throw_wrong_kind(text, what, field);
   return value + 0.0;  // turns -0 into 0
 }
 
@@ -97,7 +97,7 @@ Triple parse_triple(const ConfigNode& field, std::string_view text) {
     value = parse_double(field, digits, text, kWhat);
     rest.remove_prefix(digits.size());
   }
-  if (!trim_blanks(rest).empty()) refuse_kind(text, kWhat, field);
+  if (!trim_blanks(rest).empty()) throw_wrong_kind(text, kWhat, field);
   return {values[0], values[1], values[2]};
 }
 
@@ -120,7 +120,7 @@ void parse_value(const ConfigNode& field, std::string_view raw) {
   const std::string_view text = trim_blanks(raw);
   std::visit(Overloaded{
                  [&](bool* member) {
-                   if (text != "true" && text != "false") refuse_kind(text, "true or false", field);
+                   if (text != "true" && text != "false") throw_wrong_kind(text, "true or false", field);
                    *member = text == "true";
                  },
                  [&](std::uint32_t* member) { *member = parse_integer<std::uint32_t>(field, text); },
@@ -139,16 +139,16 @@ void parse_value(const ConfigNode& field, std::string_view raw) {
                    const double value = parse_number(field, text);
                    *member = {value, value, value};
                  },
-                 [&](std::map<std::string, Band>*) { refuse_kind(text, "a mapping of names to figures", field); },
+                 [&](std::map<std::string, Band>*) { throw_wrong_kind(text, "a mapping of names to figures", field); },
                  [&](const EnumTarget& member) {
                    auto name = std::ranges::find(member.names, text);
                    if (name == member.names.end() && (text == "true" || text == "false")) {
                      // A YAML 1.1 writer such as PyYAML turns `off` into `false`, which is also accepted.
                      name = std::ranges::find_if(member.names, [&](std::string_view choice) {
-                       return boolean_of_word(choice) == (text == "true");
+                       return yaml_boolean_of(choice) == (text == "true");
                      });
                    }
-                   if (name == member.names.end()) refuse_kind(text, "one of the choices", field);
+                   if (name == member.names.end()) throw_wrong_kind(text, "one of the choices", field);
                    member.set(static_cast<std::size_t>(name - member.names.begin()));
                  },
              },
@@ -252,7 +252,7 @@ std::string band_text(const Band& band) {
   return fmt::format("{{low: {}, nominal: {}, high: {}}}", band.low, band.nominal, band.high);
 }
 
-std::optional<bool> boolean_of_word(std::string_view word) {
+std::optional<bool> yaml_boolean_of(std::string_view word) {
   if (word == "on" || word == "yes" || word == "y") return true;
   if (word == "off" || word == "no" || word == "n") return false;
   return {};

@@ -153,7 +153,7 @@ void remove_stale_files(const std::filesystem::path& path) {
                        [&](const std::string& name) { return is_temporary_name(name, path.filename()); });
 }
 
-static void check_replaceable(const std::filesystem::path& path, const Replaceable& replaceable) {
+static void check_replaceable(const std::filesystem::path& path, const ReplaceableOutput& replaceable) {
   using Type = std::filesystem::file_type;
   const std::string shown = printable(path.string());
   std::error_code failed;
@@ -189,7 +189,7 @@ static void check_folder_of(const std::filesystem::path& path) {
   throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, error_text(errno)));
 }
 
-void check_output(const std::filesystem::path& path, const Replaceable& replaceable) {
+void check_output(const std::filesystem::path& path, const ReplaceableOutput& replaceable) {
   check_replaceable(path, replaceable);
   check_folder_of(path);
   remove_stale_files(path);

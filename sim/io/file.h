@@ -16,14 +16,14 @@ namespace sim {
 std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes);
 
 /// Describes which existing files a command of the program may overwrite with its output.
-struct Replaceable {
+struct ReplaceableOutput {
   std::string_view mark = {};      ///< text in the first 512 bytes of all files that the command writes; empty: none
   std::string_view kind = "file";  ///< word for such a file in error messages, such as "trace"
   bool any = false;                ///< any regular file may be replaced (option --force)
 };
 /// Throws InputError unless an output file can be written: `path` is free or a replaceable file, and its folder accepts
 /// new files. Links, folders, devices and pipes are never replaced. Also removes stale temporary files of `path`.
-void check_output(const std::filesystem::path& path, const Replaceable& replaceable);
+void check_output(const std::filesystem::path& path, const ReplaceableOutput& replaceable);
 
 /// Writes a new file that gets its name only when it is complete, so that a crash or power failure leaves no partial
 /// file.

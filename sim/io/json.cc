@@ -550,7 +550,7 @@ std::ostream& operator<<(std::ostream& out, const Json& json) { return out << js
 
 // --- Reading -----------------------------------------------------------------------------------------------------
 
-void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max) {
+void throw_not_whole_number(std::string_view what, std::string_view min, std::string_view max) {
   throw InputError(fmt::format("{} is no whole number from {} to {}", what, min, max));
 }
 

@@ -316,7 +316,7 @@ Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
 Json parse_json(std::istream& text);
 
 /// Throws the InputError of whole_number(). `what`: description of the value; `min`, `max`: allowed range.
-[[noreturn]] void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max);
+[[noreturn]] void throw_not_whole_number(std::string_view what, std::string_view min, std::string_view max);
 
 /// Converts untrusted JSON to a whole number of type T. If the value is not such a number, throws InputError with a
 /// text that begins with `what`. (get() would cast any number.)
@@ -329,8 +329,8 @@ T whole_number(const Json& json, std::string_view what) {
     const auto number = json.get<std::int64_t>();
     if (std::in_range<T>(number)) return static_cast<T>(number);
   }
-  refuse_whole_number(what, std::to_string(std::numeric_limits<T>::min()),
-                      std::to_string(std::numeric_limits<T>::max()));
+  throw_not_whole_number(what, std::to_string(std::numeric_limits<T>::min()),
+                         std::to_string(std::numeric_limits<T>::max()));
 }
 
 }  // namespace sim

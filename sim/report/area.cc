@@ -17,7 +17,7 @@ Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   for (const std::string& name : {entry_name(unit), unit.block}) {
     if (arrays.contains(name)) return arrays.energy_of(name, unit.cache_bytes) * std::min(1.0, share);
   }
-  refuse_without_entry(unit, "area.arrays");
+  throw_missing_entry(unit, "area.arrays");
 }
 
 /// Returns the area of a unit's pads, in proportion to its data pins. `area`: entry of the area table, for 16 pins.

@@ -67,10 +67,10 @@ std::vector<std::string> EnergyTable::event_names() const {
 
 const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key) {
   if (const Band* const entry = find_entry(table, unit)) return *entry;
-  refuse_without_entry(unit, key);
+  throw_missing_entry(unit, key);
 }
 
-void refuse_without_entry(const UnitReport& unit, std::string_view key) {
+void throw_missing_entry(const UnitReport& unit, std::string_view key) {
   throw InputError(
       fmt::format("{}: no entry for unit '{}'; allowed: '{}' or '{}'", key, unit.path, entry_name(unit), unit.block));
 }

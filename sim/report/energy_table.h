@@ -89,6 +89,6 @@ auto find_entry(const Table& table, const UnitReport& unit) -> const typename Ta
 /// were looked up.
 const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key);
 /// Throws the InputError of required_entry() for a missing entry.
-[[noreturn]] void refuse_without_entry(const UnitReport& unit, std::string_view key);
+[[noreturn]] void throw_missing_entry(const UnitReport& unit, std::string_view key);
 
 }  // namespace sim

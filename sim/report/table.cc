@@ -58,7 +58,7 @@ std::string si_text(double value, std::string_view unit) {
   return with_unit(number, prefix);
 }
 
-std::string four_digits(double value) {
+std::string four_digit_text(double value) {
   constexpr int kDigits = 4;
   if (value == 0 || !std::isfinite(value)) return fmt::format("{}", value);
   const int exponent = exponent_of(value, kDigits);

@@ -10,7 +10,7 @@ namespace sim {
 std::string si_text(double value, std::string_view unit = {});
 
 /// Returns a number as text with at most four digits: "4733", "350.0", "12.82 k", "0.1203", "8.46e-05".
-std::string four_digits(double value);
+std::string four_digit_text(double value);
 
 /// A table of text for terminals. A column is as wide as its widest cell. The first column and columns of words are
 /// left-aligned, columns of numbers right-aligned.

@@ -21,8 +21,8 @@ using Names = std::set<std::string>;
 
 /// Throws InputError for a table entry with an unknown name. `fault`: the problem, such as "no counter names this
 /// event".
-[[noreturn]] void refuse_entry(std::string_view table, const std::string& name, std::string_view fault,
-                               const Names& known) {
+[[noreturn]] void throw_unknown_entry(std::string_view table, const std::string& name, std::string_view fault,
+                                      const Names& known) {
   const std::string_view start = comparison_prefix(name);
   const auto found = find_nearest(start, known, std::max<std::size_t>(1, start.size() / 3));
   throw InputError(fmt::format("{}.{}: {}{}; allowed: {}", table, name, fault,
@@ -37,7 +37,7 @@ std::string whole_entry(std::string_view entry) { return std::string(entry); }
 void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view fault,
                    const Names& known, std::string (*name_of)(std::string_view) = whole_entry) {
   for (const auto& [entry, value] : entries) {
-    if (const std::string name = name_of(entry); !known.contains(name)) refuse_entry(table, name, fault, known);
+    if (const std::string name = name_of(entry); !known.contains(name)) throw_unknown_entry(table, name, fault, known);
   }
 }
 
@@ -115,7 +115,7 @@ void append_warnings(const char* table, const Outside& outside, std::vector<std:
 
 }  // namespace
 
-std::vector<std::string> sizes_outside_curves(std::span<const UnitReport> units,
+std::vector<std::string> curve_range_warnings(std::span<const UnitReport> units,
                                               const std::map<std::string, Band>& events,
                                               const std::map<std::string, Band>& arrays) {
   const EnergyTable energy(events), area(arrays, "area.arrays");

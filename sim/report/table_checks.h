@@ -26,7 +26,7 @@ void check_unit_names(const AreaConfig& config, std::span<const UnitReport> unit
 
 /// Returns a warning for every kind of unit whose memory array has a size outside its energy or area curve, so that
 /// values are extrapolated. `events`: EnergyConfig::events. `arrays`: AreaConfig::arrays; may be empty.
-std::vector<std::string> sizes_outside_curves(std::span<const UnitReport> units,
+std::vector<std::string> curve_range_warnings(std::span<const UnitReport> units,
                                               const std::map<std::string, Band>& events,
                                               const std::map<std::string, Band>& arrays);
 

@@ -100,9 +100,9 @@ class Counting final : public hw::TileSource {
     if (handed_ == end_) count_.stop();
     return work;
   }
-  void give_back(const traces::TileWork* work) override {
+  void release_work(const traces::TileWork* work) override {
     count_.group(kFunction);
-    front_end_.give_back(work);
+    front_end_.release_work(work);
     count_.group(kTiming);
   }
   std::uint64_t rays_counted() const { return rays() - rays_before_; }
@@ -150,7 +150,7 @@ class Trace {
   void record(kernels::FrameProgram& program, const traces::Tracer& tracer) {
     const std::unique_ptr<traces::TraceWriter> writer = begin(program);
     tools::FrontEnd front_end(program, tracer, 0);
-    while (const traces::TileWork* work = front_end.next()) writer->add_tile(*work), front_end.give_back(work);
+    while (const traces::TileWork* work = front_end.next()) writer->add_tile(*work), front_end.release_work(work);
     writer->end_part({{"continued", 0}, {"sampling", {{"wanted", 1}}}});
     writer->commit();
     reader_.emplace(file());

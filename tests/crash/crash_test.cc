@@ -68,7 +68,7 @@ struct Verb {
     EXPECT_EQ(raywatt(words(goes_on() ? "16x8" : "8x8")).exit, 0);
     return results();
   }
-  Ending run(std::uint64_t failing, const char* which = "CRASH_AT") const {
+  ProcessResult run(std::uint64_t failing, const char* which = "CRASH_AT") const {
     const fs::path counter = folder.write("calls", std::string(8, '\0'));
     return raywatt(words(), {.variables = {{"LD_PRELOAD", FAILING_CALLS},
                                            {"CRASH_BELOW", work().string()},
@@ -140,7 +140,7 @@ void expect_clean_failure(const Verb& verb, std::uint64_t index, bool has_former
                           const char* which = "CRASH_AT") {
   SCOPED_TRACE(verb.word + (has_former ? " again" : "") + ", " + which + " " + std::to_string(index));
   const Results former = verb.begin(has_former);
-  const Ending ending = verb.run(index, which);
+  const ProcessResult ending = verb.run(index, which);
   const bool cannot_begin = ending.exit == 2 && ending.err.find("cannot be written") != std::string::npos;
   EXPECT_TRUE(ending.exit == 0 || ending.exit == 74 || cannot_begin) << ending.exit << ": " << ending.err;
   if (ending.exit == 0) {
@@ -150,7 +150,7 @@ void expect_clean_failure(const Verb& verb, std::uint64_t index, bool has_former
     expect_whole(verb, verb.results(), whole, former);
   }
   EXPECT_EQ(verb.temporaries(), Words{});
-  const Ending again = verb.run(kNothingFails);
+  const ProcessResult again = verb.run(kNothingFails);
   EXPECT_EQ(again.exit, 0) << again.err;
   EXPECT_TRUE(verb.results() == whole);
 }
@@ -224,7 +224,7 @@ TEST_P(Crash, OfTheWholeProgramIsMendedByTheSameCommand) {
       program.wait();
     }
     expect_whole(verb, verb.results(), whole, former);
-    const Ending again = raywatt(verb.words());
+    const ProcessResult again = raywatt(verb.words());
     EXPECT_EQ(again.exit, 0) << again.err;
     EXPECT_TRUE(verb.results() == whole);
     EXPECT_EQ(verb.temporaries(), Words{});

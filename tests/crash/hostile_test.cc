@@ -123,7 +123,7 @@ struct Seeds {
 
   Seeds() {
     const auto good = [](const Words& words) {
-      const Ending ending = raywatt(words);
+      const ProcessResult ending = raywatt(words);
       EXPECT_EQ(ending.exit, 0) << ending.err;
     };
     const Words small = {"--resolution", "16x8", "--threads", "1"};
@@ -143,10 +143,10 @@ struct Seeds {
 
 /// Runs a verb with limits of 10 s of processor time and 1 GiB of address space. Expects that it ends with one of its
 /// own exit codes.
-Ending bounded(Words words, const fs::path& folder) {
+ProcessResult bounded(Words words, const fs::path& folder) {
   constexpr const char* kLimits[] = {"--as=1073741824", "--cpu=10", "--core=0", RAYWATT_PROGRAM};
   words.insert(words.begin(), std::begin(kLimits), std::end(kLimits));
-  const Ending ending = raywatt(words, {.folder = folder, .program = "/usr/bin/prlimit"});
+  const ProcessResult ending = raywatt(words, {.folder = folder, .program = "/usr/bin/prlimit"});
   std::string line;
   for (const std::string& word : words) line += word + " ";
   EXPECT_TRUE(ending.exit >= 0 && (ending.exit <= 3 || ending.exit == 74)) << ending.exit << ": " << line << ending.err;
@@ -231,9 +231,9 @@ void try_sweep(const Seeds& seeds, const fs::path& folder, const TempFolder& wor
   bounded({"report", out, "-o", (work.path() / "sweep.html").string()}, work.path());
   bounded({"sweep", "run", seeds.spec.string(), "-o", out, "--store", store, "-j", "1", "--quiet"}, work.path());
   // A sweep in a new folder uses valid points of the store and computes the others.
-  const Ending again = bounded({"sweep", "run", seeds.spec.string(), "-o", (work.path() / "new").string(), "--store",
-                                store, "-j", "1", "--quiet"},
-                               work.path());
+  const ProcessResult again = bounded({"sweep", "run", seeds.spec.string(), "-o", (work.path() / "new").string(),
+                                       "--store", store, "-j", "1", "--quiet"},
+                                      work.path());
   if (again.exit != 0) return;
   EXPECT_EQ(results_of(folder / "store"), results_of(seeds.sweep / "store"));
 }

@@ -28,7 +28,7 @@ std::filesystem::path file_of(std::string_view bytes, const std::string& name);
 
 /// Calls `f` and ignores InputError and IoError, which refuse invalid input. Others are bugs and end the process.
 template <class F>
-void refusing(F&& f) {
+void ignore_input_errors(F&& f) {
   try {
     f();
   } catch (const sim::InputError&) {

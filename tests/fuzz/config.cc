@@ -12,7 +12,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.config = fuzz::file_of(fuzz::text_of(data, size), "input.yaml").string();
   tools::RunConfig config;
   bool taken = false;
-  fuzz::refusing([&] {
+  fuzz::ignore_input_errors([&] {
     config = tools::load_run_config(options);
     taken = true;
   });

@@ -46,7 +46,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = fuzz::text_of(data, size);
-  fuzz::refusing([&] {
+  fuzz::ignore_input_errors([&] {
     if (bytes.starts_with(kExr)) {
       traces::read_exr(fuzz::file_of(bytes, "input.exr"), fuzz::small_limits());
     } else {

@@ -24,7 +24,7 @@ bool is_small(const tools::sweep::Spec& spec) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.yaml");
-  fuzz::refusing([&] {
+  fuzz::ignore_input_errors([&] {
     const tools::sweep::Spec spec = tools::sweep::read_spec(file);
     if (!is_small(spec)) return;
     tools::sweep::Planner planner(spec, fuzz::folder());

@@ -5,7 +5,7 @@
 
 namespace {
 
-void there_and_back(const tools::TileTable& table) {
+void round_trip_text(const tools::TileTable& table) {
   const std::string text = tools::tiles_text(table);
   const tools::TileTable again = tools::load_tiles(fuzz::file_of(text, "again.json"));
   if (tools::tiles_text(again) != text) std::abort();
@@ -19,6 +19,6 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.json");
-  fuzz::refusing([&] { there_and_back(tools::load_tiles(file)); });
+  fuzz::ignore_input_errors([&] { round_trip_text(tools::load_tiles(file)); });
   return 0;
 }

@@ -16,14 +16,14 @@ class NoTracer final : public traces::Tracer {
 };
 
 void check_config(const traces::TraceReader& trace) {
-  trace.naming_file([&] {
+  trace.call_with_file_name([&] {
     tools::check_header(trace.header());
     tools::replay_config(trace.header(), "trace", {});
   });
 }
 
 void read_tiles(const traces::TraceReader& trace) {
-  trace.naming_file([&] { tools::check_header(trace.header()); });
+  trace.call_with_file_name([&] { tools::check_header(trace.header()); });
   const std::vector<traces::KernelId> kernels(trace.header().at("kernels").size());
   for (const traces::TraceReader::Part& part : trace.parts()) {
     const traces::TileScope scope = trace.tile_scope(part, static_cast<std::uint32_t>(kernels.size()));
@@ -39,10 +39,10 @@ void read_tiles(const traces::TraceReader& trace) {
 }  // namespace
 
 void read_trace(const std::filesystem::path& file) {
-  refusing([&] {
+  ignore_input_errors([&] {
     const traces::TraceReader trace(file);
-    refusing([&] { tools::trace_info_text(tools::trace_info(trace)); });
-    refusing([&] { check_config(trace); });
+    ignore_input_errors([&] { tools::trace_info_text(tools::trace_info(trace)); });
+    ignore_input_errors([&] { check_config(trace); });
     read_tiles(trace);
   });
 }

@@ -127,15 +127,15 @@ inline traces::Mesh sheet(float left, float right, float z = 0) {
 }
 
 /// Joins the meshes left and right of x = 0 to one object. `left` must not have smooth normals at x = 0.
-inline traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
+inline traces::Mesh join_meshes(traces::Mesh left, const traces::Mesh& right) {
   traces::append_mesh(left, right);
   return left;
 }
 
 /// Returns a surface with an edge at x = 0, which rises towards the viewer by `rise` (below 0: falls away).
 inline traces::Mesh fold(float rise) {
-  return both_sides(traces::make_quad("left", {-10, -10, -10 * rise}, {10, 0, 10 * rise}, {0, 20, 0}, 1),
-                    traces::make_quad("right", {0, -10, 0}, {10, 0, -10 * rise}, {0, 20, 0}, 1));
+  return join_meshes(traces::make_quad("left", {-10, -10, -10 * rise}, {10, 0, 10 * rise}, {0, 20, 0}, 1),
+                     traces::make_quad("right", {0, -10, 0}, {10, 0, -10 * rise}, {0, 20, 0}, 1));
 }
 
 /// Returns a mirror in the plane z = 0, which shows objects behind the viewer.

@@ -6,7 +6,7 @@ namespace kernels {
 namespace {
 
 // Operations of each kernel, counted by hand from its source. Short names: normalised is unit_vector, scrambled
-// scramble_bits, encoded encode_srgb, clamped clamp_to_unit, decay exp_negative, passed passed_sample, wraps
+// scramble_bits, encoded encode_srgb, clamped clamp_to_unit, decay exp_negative, passed unpack_passed_sample, wraps
 // crosses_texture_border, go_on continue_ray, interface make_interface, largest max_channel, contrast channel_contrast.
 //
 //   dot 3 mul 2 add | vector + vector 3 add | vector * scalar 3 mul | largest 2 max

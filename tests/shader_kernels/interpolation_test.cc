@@ -236,7 +236,7 @@ TEST(TextureChecks, ATexturesEdgeThatPassesIsRoughForTheRateAlone) {
 }
 
 TEST(FirstFailed, ASampleIsTracedForTheFirstCheckThatItFails) {
-  const Room far = Room().add(both_sides(sheet(-10, 0, -2), sheet(0, 10)));
+  const Room far = Room().add(join_meshes(sheet(-10, 0, -2), sheet(0, 10)));
   const Sampling s = far.under();
   EXPECT_EQ(failed(s, Check::kPosition), failed(s, Check::kConvexity));
   EXPECT_EQ(s.first_failed[static_cast<std::size_t>(Check::kPosition)], failed(s, Check::kPosition));

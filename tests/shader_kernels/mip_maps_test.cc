@@ -38,7 +38,7 @@ float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::v
   }
   const LevelRecord<float> levels[] = {level_record(chain[0], static_cast<std::uint32_t>(chain.size()), kMips)};
   std::uint32_t stream[] = {0};
-  TexcoordRecord<float> texcoords[] = {{0.3F, 0.6F, with_footprint<float>(0, footprint)}};
+  TexcoordRecord<float> texcoords[] = {{0.3F, 0.6F, pack_footprint<float>(0, footprint)}};
   DiffuseRecord<float> mattes[] = {{{1, 1, 1}, 7}};
   typename ShadeTextured<kMips>::template Ports<float> ports;
   ports.textured.bind(stream);

@@ -22,7 +22,7 @@ constexpr std::uint32_t kRods = 60;
 Stage rod_of(std::uint32_t seed, float pixels_thick) {
   constexpr float kFov = 0.5F;
   const float pixel = 2 * 4 * std::tan(0.5F * kFov) / kSide;
-  const auto random = [seed](std::uint32_t draw) { return sim::unit_float(sim::hash(seed, draw)); };
+  const auto random = [seed](std::uint32_t draw) { return sim::hash_to_unit_float(sim::hash(seed, draw)); };
   const float angle = 2 * std::numbers::pi_v<float> * random(0);
   const glm::vec3 along(std::cos(angle), std::sin(angle), 0), across(-along.y, along.x, 0);
   const glm::vec3 middle = across * (pixel * (random(1) - 0.5F) * 0.5F * kSide);

@@ -39,7 +39,7 @@ struct PropagationWorld {
       : image(traces::build_memory_image(scene)), tracer(image), camera(scene.cameras[0]) {}
   Propagated run(const RenderConfig& render, const SupersampleConfig& c, bool record = false) const {
     SupersampleProgram program(image, camera, render, c, 0);
-    program.keep_marks();
+    program.enable_marks();
     Propagated out;
     run_tiles(program, tracer, record, [&](const TileResult& tile) {
       if (record) out.works.push_back(tile.work);

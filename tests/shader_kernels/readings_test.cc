@@ -83,7 +83,7 @@ class RandomPorts {
 
  private:
   std::uint32_t random() { return static_cast<std::uint32_t>(sim::hash(seed_, drawn_++)); }
-  float number() { return 0.1F + 1.9F * sim::unit_float(sim::hash(seed_, drawn_++)); }
+  float number() { return 0.1F + 1.9F * sim::hash_to_unit_float(sim::hash(seed_, drawn_++)); }
   float signed_number() { return number() * ((random() & 1U) != 0 ? 1.0F : -1.0F); }
   Vec3<float> vector() { return {signed_number(), signed_number(), signed_number()}; }
 
@@ -163,7 +163,7 @@ class RandomPorts {
   }
   void fill(std::uint32_t& field, std::string_view name) {
     field = random() % (name.ends_with("texture") ? kItems / 2 : kItems);
-    if (name == "texture" && with_footprints_) field = with_footprint<float>(field, number());
+    if (name == "texture" && with_footprints_) field = pack_footprint<float>(field, number());
     if (name == "word" && (random() & 1U) != 0) field |= 1U << kActiveShift;
     if (name == "blue_why") field = random() & ((2U << kRoundShift) - 1);
     if (name == "shadows" || name == "objects") field %= 4;

@@ -111,10 +111,10 @@ TEST(Sampling, ShadowsAreDistinguishedByLight) {
 }
 
 TEST(Sampling, ParallelSheetsFailByPositionAndConvexity) {
-  const Room far = Room().add(both_sides(sheet(-10, 0, -2), sheet(0, 10)));
+  const Room far = Room().add(join_meshes(sheet(-10, 0, -2), sheet(0, 10)));
   EXPECT_EQ(failing(far.under()), (Names{"position", "convexity"}));
   EXPECT_EQ(failing(far.multi()), Names{}) << "Lee's checks do not see it";
-  const Room near = Room().add(both_sides(sheet(-10, 0, -0.3F), sheet(0, 10)));
+  const Room near = Room().add(join_meshes(sheet(-10, 0, -0.3F), sheet(0, 10)));
   EXPECT_EQ(failing(near.under()), Names{"convexity"});
   UndersampleConfig strict;
   strict.position = 1e-4;
@@ -153,8 +153,8 @@ TEST(Sampling, AColourInAMirrorFailsByColour) {
 
 TEST(Sampling, AnEdgeInAMirrorFailsBySecondaryNormal) {
   Room room = mirror();
-  room.add(both_sides(traces::make_quad("left", {0, -10, 8}, {-10, 0, 10}, {0, 20, 0}, 1),
-                      traces::make_quad("right", {10, -10, 18}, {-10, 0, -10}, {0, 20, 0}, 1)));
+  room.add(join_meshes(traces::make_quad("left", {0, -10, 8}, {-10, 0, 10}, {0, 20, 0}, 1),
+                       traces::make_quad("right", {10, -10, 18}, {-10, 0, -10}, {0, 20, 0}, 1)));
   EXPECT_EQ(failing(room.multi()), Names{"secondary_normal"});
   EXPECT_EQ(failing(room.under()), Names{});
 }

@@ -63,13 +63,13 @@ TEST(Hash, DependsOnEveryKeyAndOnTheirOrder) {
 TEST(UnitFloat, IsSpreadEvenlyBelowOne) {
   double sum = 0;
   for (std::uint64_t i = 0; i < 10'000; ++i) {
-    const float f = unit_float(hash(i));
+    const float f = hash_to_unit_float(hash(i));
     ASSERT_GE(f, 0.0F);
     ASSERT_LT(f, 1.0F);
     sum += f;
   }
   EXPECT_NEAR(sum / 10'000, 0.5, 0.01);
-  EXPECT_LT(unit_float(~std::uint64_t{0}), 1.0F);
+  EXPECT_LT(hash_to_unit_float(~std::uint64_t{0}), 1.0F);
 }
 
 }  // namespace

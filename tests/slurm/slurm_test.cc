@@ -127,13 +127,13 @@ struct Slurm : testing::Test {
 };
 
 TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
-  const Ending begun = raywatt(on_slurm({"--slurm-args", "--time=10 --comment=a"}));
+  const ProcessResult begun = raywatt(on_slurm({"--slurm-args", "--time=10 --comment=a"}));
   ASSERT_EQ(begun.exit, 0) << begun.err;
   EXPECT_SAYS(begun.out, "25 points: 25 handed in, 0 in the queue already, 0 with a result");
   EXPECT_SAYS(raywatt(on_slurm({})).out, " 0 handed in") << "what is in the queue is not handed in twice";
   ASSERT_TRUE(wait_until([&] { return points_in(store) >= 3; }));
   EXPECT_FALSE(status()["slurm"]["jobs"].empty());
-  const Ending cancelled = raywatt({"sweep", "cancel", out});
+  const ProcessResult cancelled = raywatt({"sweep", "cancel", out});
   EXPECT_EQ(cancelled.exit, 0) << cancelled.err;
   EXPECT_SAYS(cancelled.out, "cancelled job");
   const auto before = results();
@@ -142,7 +142,7 @@ TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
   EXPECT_TRUE(names_in(store / "tmp").empty()) << "what was under way is dropped";
 
   const auto missing = status()["missing"].get<std::size_t>();
-  const Ending ended = raywatt(on_slurm({"--wait"}));
+  const ProcessResult ended = raywatt(on_slurm({"--wait"}));
   EXPECT_EQ(ended.exit, 1) << ended.err << ended.out;
   EXPECT_SAYS(ended.out, " 1 failed\n");  // no point is missing
   std::size_t handed_in = 0;
@@ -166,9 +166,9 @@ TEST_F(Slurm, NodesShareOneFrameInSlicesAndALostOneTakesNoneWithIt) {
   Program program(on_slurm({"--wait"}));
   stop_a_worker_on("n3", 2);
   ASSERT_EQ(tell_cluster("crash", "n3"), 0);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
-  EXPECT_EQ(last_run(out), (Tally{1, 1, 0, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{1, 1, 0, 0}));
   EXPECT_EQ(in_list("submit-1.txt").size(), 9U);
   EXPECT_EQ(points_in(store), 10U);
   EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(local.path() / "out" / "results.csv"));
@@ -181,16 +181,16 @@ TEST_F(Slurm, ANodeThatIsLostTakesNoPointWithItAndTheTableIsTheLocalOne) {
   stop_a_worker_on("n2", 3);
   const auto before = results();
   ASSERT_EQ(tell_cluster("crash", "n2"), 0);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 1) << ending.err << ending.out;
-  EXPECT_EQ(last_run(out), (Tally{25, 24, 0, 1}));
+  EXPECT_EQ(last_run_counts(out), (Tally{25, 24, 0, 1}));
   EXPECT_EQ(in_list("submit-1.txt").size(), kLargestArray);
   EXPECT_EQ(in_list("submit-2.txt").size(), kLargestArray);
   EXPECT_EQ(in_list("submit-3.txt").size(), kPoints - 2 * kLargestArray);
   expect_as_before(before);
   expect_the_whole_sweep();
   raywatt(on_slurm({"--wait"}));
-  EXPECT_EQ(last_run(out), (Tally{25, 0, 24, 1}));
+  EXPECT_EQ(last_run_counts(out), (Tally{25, 0, 24, 1}));
   EXPECT_FALSE(fs::exists(out / "submit-4.txt"));
 }
 

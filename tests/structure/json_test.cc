@@ -13,7 +13,7 @@ TEST(Json, IsParsedByOneReaderAlone) {
   for (const std::filesystem::path& file : source_files()) {
     const std::string path = file.generic_string();
     if (path.starts_with("tests/") || path == "sim/io/json.cc") continue;
-    const std::string code = take_apart(file).code;
+    const std::string code = split_code_and_comments(file).code;
     for (const char* call : {"json::parse(", "Json::parse(", "json::accept(", "Json::accept(", "sax_parse("}) {
       EXPECT_EQ(code.find(call), std::string::npos) << path << ": " << call << " is sim::parse_json (sim/io/json.h)";
     }
@@ -25,7 +25,7 @@ TEST(Json, LibraryIsUsedByOneSourceAlone) {
   for (const std::filesystem::path& file : source_files()) {
     const std::string path = file.generic_string();
     if (path.starts_with("tests/")) continue;
-    if (take_apart(file).code.find("nlohmann") == std::string::npos) continue;
+    if (split_code_and_comments(file).code.find("nlohmann") == std::string::npos) continue;
     EXPECT_EQ(path, "sim/io/json.cc") << "JSON is sim::Json (sim/io/json.h)";
     ++users;
   }

@@ -78,7 +78,7 @@ std::vector<Include> includes() {
   return found;
 }
 
-SourceText take_apart(const fs::path& file) {
+SourceText split_code_and_comments(const fs::path& file) {
   SourceText text;
   bool goes_on = false;
   for (const std::string& line : lines_of(file)) {

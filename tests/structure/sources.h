@@ -19,6 +19,6 @@ struct SourceText {
   std::string code;                   ///< without comments, string and character literals
   std::vector<std::string> comments;  ///< without slashes; consecutive comment lines are joined
 };
-SourceText take_apart(const std::filesystem::path& file);
+SourceText split_code_and_comments(const std::filesystem::path& file);
 
 }  // namespace test

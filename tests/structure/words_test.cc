@@ -88,7 +88,7 @@ std::vector<fs::path> sources_with_words() {
 
 TEST(Words, ThatAreRetiredAreInNoSource) {
   for (const fs::path& file : sources_with_words()) {
-    const SourceText text = take_apart(file);
+    const SourceText text = split_code_and_comments(file);
     for (const Retired& retired : kWords) {
       if (!is_below(file, retired.below)) continue;
       EXPECT_EQ(find_word(text.code, retired.word), std::string::npos)

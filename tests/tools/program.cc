@@ -32,8 +32,8 @@ void become_unread_pipe(int stream) {
 }
 
 /// Runs in the child process: sets signals and environment as in a terminal, then starts the program.
-[[noreturn]] void become_program(const Words& words, const Surroundings& around, const std::string& out,
-                                 const std::string& err) {
+[[noreturn]] void exec_program(const Words& words, const ProcessEnvironment& around, const std::string& out,
+                               const std::string& err) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_DFL);
   ::unsetenv("RAYWATT_PATH");
   ::setenv("LC_ALL", "C.UTF-8", 1);
@@ -65,12 +65,12 @@ bool wait_until(const std::function<bool()>& is_so) {
   return true;
 }
 
-Program::Program(Words arguments, const Surroundings& around) {
+Program::Program(Words arguments, const ProcessEnvironment& around) {
   arguments.insert(arguments.begin(), around.program.empty() ? RAYWATT_PROGRAM : around.program.string());
   const std::string out = around.out.empty() ? streams_.write("out", "").string() : around.out;
   const std::string err = around.err.empty() ? streams_.write("err", "").string() : around.err;
   process_ = ::fork();
-  if (process_ == 0) become_program(arguments, around, out, err);
+  if (process_ == 0) exec_program(arguments, around, out, err);
 }
 
 Program::~Program() {
@@ -110,7 +110,7 @@ bool Program::wait_for_file(const std::filesystem::path& folder, const std::stri
   });
 }
 
-Ending Program::wait() {
+ProcessResult Program::wait() {
   if (!test::wait_until([&] { return ended(); })) {
     ADD_FAILURE() << "the program does not end";
     send(SIGKILL);
@@ -121,10 +121,12 @@ Ending Program::wait() {
           read_bytes(streams_.path() / "err")};
 }
 
-Ending raywatt(const Words& arguments, const Surroundings& around) { return Program(arguments, around).wait(); }
+ProcessResult raywatt(const Words& arguments, const ProcessEnvironment& around) {
+  return Program(arguments, around).wait();
+}
 
-std::string output_of(const Words& arguments, const Surroundings& around) {
-  const Ending ending = raywatt(arguments, around);
+std::string output_of(const Words& arguments, const ProcessEnvironment& around) {
+  const ProcessResult ending = raywatt(arguments, around);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending.out;
 }
@@ -153,7 +155,7 @@ Words names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-void expect_refusal(const Ending& ending, const Words& parts) {
+void expect_refusal(const ProcessResult& ending, const Words& parts) {
   EXPECT_EQ(ending.exit, 2) << ending.err;
   EXPECT_EQ(ending.out, "");
   EXPECT_TRUE(ending.err.starts_with("raywatt: ")) << ending.err;

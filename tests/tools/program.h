@@ -20,18 +20,18 @@ using Words = std::vector<std::string>;
 bool wait_until(const std::function<bool()>& is_so);
 
 /// Output and exit code of a process.
-struct Ending {
+struct ProcessResult {
   int exit = -1;    ///< exit code; 128 + signal if one killed it
   std::string out;  ///< text on stdout
   std::string err;  ///< text on stderr
 };
 
 /// Environment in which the program is started.
-struct Surroundings {
+struct ProcessEnvironment {
   std::filesystem::path folder{};                                ///< working directory; empty: the test's own
   std::vector<std::pair<std::string, std::string>> variables{};  ///< added to the environment
   std::uint64_t longest_file = 0;   ///< maximum size of a file in bytes (RLIMIT_FSIZE); 0: no limit
-  std::string out{};                ///< file that receives stdout; empty: stdout is returned in Ending::out
+  std::string out{};                ///< file that receives stdout; empty: stdout is returned in ProcessResult::out
   std::string err{};                ///< text on stderr
   std::vector<int> closed{};        ///< descriptors of standard streams that are closed
   std::vector<int> unread{};        ///< descriptors that are pipes whose reading end is closed
@@ -41,7 +41,7 @@ struct Surroundings {
 /// A running process of the raywatt program.
 class Program {
  public:
-  explicit Program(Words arguments, const Surroundings& around = {});
+  explicit Program(Words arguments, const ProcessEnvironment& around = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -58,7 +58,7 @@ class Program {
   /// program ends before.
   bool wait_for_file(const std::filesystem::path& folder, const std::string& name);
   bool ended();
-  Ending wait();
+  ProcessResult wait();
 
  private:
   TempFolder streams_;
@@ -67,9 +67,9 @@ class Program {
 };
 
 /// Runs the raywatt program until it ends.
-Ending raywatt(const Words& arguments, const Surroundings& around = {});
+ProcessResult raywatt(const Words& arguments, const ProcessEnvironment& around = {});
 /// Runs the program and returns its stdout. Expects exit code 0.
-std::string output_of(const Words& arguments, const Surroundings& around = {});
+std::string output_of(const Words& arguments, const ProcessEnvironment& around = {});
 
 /// Returns the arguments of a short run: 64 x 32 pixels on one thread, with results in `out`.
 Words small_run(const std::filesystem::path& out, const Words& more = {});
@@ -83,7 +83,7 @@ nlohmann::json read_json(const std::filesystem::path& path);
 Words names_in(const std::filesystem::path& folder);
 
 /// Expects that the program ended with code 2, one line on stderr that contains all `parts`, and no output on stdout.
-void expect_refusal(const Ending& ending, const Words& parts);
+void expect_refusal(const ProcessResult& ending, const Words& parts);
 
 /// Expects that a short run with the arguments `more` is refused (expect_refusal()) and creates no folder.
 void expect_refused_run(const Words& more, const Words& parts);

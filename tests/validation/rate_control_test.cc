@@ -18,8 +18,8 @@ namespace tools {
 namespace {
 
 /// Results of `multirate:under` over several frames.
-struct Way {
-  explicit Way(const kernels::MultirateConfig& wanted) : config(wanted), rates(wanted) {}
+struct RateControlRun {
+  explicit RateControlRun(const kernels::MultirateConfig& wanted) : config(wanted), rates(wanted) {}
   kernels::MultirateConfig config;
   kernels::RateMap rates;
   double squared_error = 0;  ///< sum over all frames
@@ -35,7 +35,9 @@ struct Way {
       tiles += 1;
     }
   }
-  double loss_against(const Way& other) const { return 10 * std::log10(squared_error / other.squared_error); }
+  double loss_against(const RateControlRun& other) const {
+    return 10 * std::log10(squared_error / other.squared_error);
+  }
 };
 
 TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
@@ -50,18 +52,18 @@ TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
   Inputs inputs = load_inputs(options);
 
   kernels::MultirateConfig config = inputs.config.programs.multirate;
-  Way off(config);
+  RateControlRun off(config);
   config.rate_control = kernels::RateControl::kHysteresis;
-  Way guarded(config);
+  RateControlRun guarded(config);
   config.rate_texture = 2;
-  Way unguarded(config);
+  RateControlRun unguarded(config);
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     if (frame != 0) {
       ASSERT_TRUE(advance_frame(inputs, 0));
     }
     const traces::BvhTracer tracer(inputs.image);
     const std::vector<float> full = render_frame(inputs, kernels::parse_program("full:1"), tracer, 0).rgb;
-    for (Way* way : {&off, &guarded, &unguarded}) way->render_frame(inputs, tracer, full);
+    for (RateControlRun* way : {&off, &guarded, &unguarded}) way->render_frame(inputs, tracer, full);
   }
   EXPECT_EQ(off.coarse, 0U);
   EXPECT_GE(guarded.coarse, guarded.tiles / 4);

@@ -90,7 +90,7 @@ std::string animation_text(const Json& animation) {
 
 /// Formats the host time and memory that loading a scene took. Memory per triangle is shown only for scenes of at least
 /// 10,000 triangles, because otherwise the program itself dominates.
-std::string host_text(const Json& host, std::uint64_t triangles) {
+std::string loading_cost_text(const Json& host, std::uint64_t triangles) {
   constexpr std::uint64_t kTrianglesThatTell = 10'000;
   std::string text = fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}", host["load_s"].get<double>(),
                                  host["build_s"].get<double>(), bytes_text(host["peak_bytes"]));
@@ -100,7 +100,7 @@ std::string host_text(const Json& host, std::uint64_t triangles) {
   return text;
 }
 
-std::string place_text(const Json& camera) {
+std::string camera_text(const Json& camera) {
   const auto triple = [](const Json& v) {
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
   };
@@ -166,7 +166,7 @@ std::string scene_info_text(const Json& info, bool cameras) {
   }
   line("cameras", names);
   for (const Json& camera : info["cameras"]) {
-    if (cameras) line("", fmt::format("'{}' {}", camera["name"].get<std::string>(), place_text(camera)));
+    if (cameras) line("", fmt::format("'{}' {}", camera["name"].get<std::string>(), camera_text(camera)));
   }
   line("animation", animation_text(info["animation"]));
   const Json& memory = info["memory_image"];
@@ -176,7 +176,7 @@ std::string scene_info_text(const Json& info, bool cameras) {
   line("BVH", fmt::format("{}, {}, depth {}, SAH cost {:.1f}", count_text(tree["nodes"].get<std::uint64_t>(), "node"),
                           count_text(tree["leaves"].get<std::uint64_t>(), "leaf"), tree["depth"].get<std::uint64_t>(),
                           tree["sah_cost"].get<double>()));
-  line("host", host_text(info["host"], triangles));
+  line("host", loading_cost_text(info["host"], triangles));
   return text;
 }
 
@@ -187,7 +187,7 @@ std::string text_at(const Json& json, const char* key) { return sim::printable(j
 }  // namespace
 
 Json trace_info(const traces::TraceReader& trace) {
-  return trace.naming_file([&] {
+  return trace.call_with_file_name([&] {
     const Json& header = trace.header();
     check_header(header);
     constexpr std::uint64_t kMost = std::uint64_t{1} << 48;

@@ -226,7 +226,7 @@ std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, cons
       const auto direction = at.corner + at.right * x + at.down * y;
       rays[i].direction = {direction.x, direction.y, direction.z};
     }
-    rasteriser->cover_samples(rays, found, nullptr);
+    rasteriser->rasterise_samples(rays, found, nullptr);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const std::size_t pixel = std::size_t{y0} * render.width + i;
       paint_count(pictures[0], pixel, found.layers[i]);

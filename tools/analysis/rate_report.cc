@@ -15,7 +15,7 @@ namespace {
 
 using sim::Json;
 
-Json clocks_json(const RatedClocks& clocks) {
+Json clocks_json(const OperatingPoint& clocks) {
   Json mhz = Json::object(), volt = Json::object();
   for (std::size_t i = 0; i < clocks.mhz.size(); ++i) {
     mhz[std::string(clock_domains()[i].name)] = clocks.mhz[i];
@@ -27,11 +27,11 @@ Json clocks_json(const RatedClocks& clocks) {
 /// Evaluates a run at the target rate frame.fps. `slowest_share`: time of the slowest frame over the mean frame time.
 FrameRate rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
   const double ms = time_ms(run);
-  return at_frame_rate(config, {.energy = run.energy,
-                                .units = run.units,
-                                .count = static_cast<double>(run.frames),
-                                .time_ms = ms,
-                                .slowest_ms = slowest_share * ms / run.frames});
+  return evaluate_frame_rate(config, {.energy = run.energy,
+                                      .units = run.units,
+                                      .count = static_cast<double>(run.frames),
+                                      .time_ms = ms,
+                                      .slowest_ms = slowest_share * ms / run.frames});
 }
 
 }  // namespace
@@ -78,20 +78,20 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
 
 std::string frame_rate_text(const Json& totals) {
   const Json& at = totals["at_fps"];
-  const auto number = [](const Json& value) { return sim::four_digits(value.get<double>()); };
+  const auto number = [](const Json& value) { return sim::four_digit_text(value.get<double>()); };
   const double slack = at["slack_ms"].get<double>();
   return fmt::format("{} frames/s {}, {} W; between frames {} mW", number(at["fps"]),
-                     at["met"].get<bool>() ? fmt::format("met, {} ms to spare", sim::four_digits(slack))
-                                           : fmt::format("NOT met by {} ms", sim::four_digits(-slack)),
+                     at["met"].get<bool>() ? fmt::format("met, {} ms to spare", sim::four_digit_text(slack))
+                                           : fmt::format("NOT met by {} ms", sim::four_digit_text(-slack)),
                      number(totals["power_at_fps_w"]["nominal"]), number(at["idle_mw"]["nominal"]));
 }
 
 std::string operating_points_text(const Json& totals) {
   const Json& at = totals["at_fps"];
   if (!at.contains("slowest_clocks")) {
-    return at["met"].get<bool>()
-               ? ""
-               : fmt::format("the rate needs clocks x{} or more", sim::four_digits(at["clock_factor"].get<double>()));
+    return at["met"].get<bool>() ? ""
+                                 : fmt::format("the rate needs clocks x{} or more",
+                                               sim::four_digit_text(at["clock_factor"].get<double>()));
   }
   const auto point = [](const Json& clocks) {
     std::string volt;
@@ -100,7 +100,7 @@ std::string operating_points_text(const Json& totals) {
       if (volt.find(text) == std::string::npos) volt += (volt.empty() ? "" : "/") + text;
     }
     return fmt::format("x{:.3f} at {} V {} W", clocks["factor"].get<double>(), volt,
-                       sim::four_digits(clocks["power_w"]["nominal"].get<double>()));
+                       sim::four_digit_text(clocks["power_w"]["nominal"].get<double>()));
   };
   return fmt::format("slowest that meet it {}, least power {} (raywatt dvfs --fps simulates them)",
                      point(at["slowest_clocks"]), point(at["best_clocks"]));

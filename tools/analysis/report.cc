@@ -179,11 +179,11 @@ std::string path_of(const std::string& pointer) {
 }
 
 /// Formats a metric of replicates as its mean and the relative half-width of its 95 % interval: "6.764 ± 0.12 %".
-std::string give_or_take(const Json& metrics, const char* path) {
+std::string mean_and_error_text(const Json& metrics, const char* path) {
   const Json& f = metrics.at(pointer_to(path));
   const double mean = f["mean"].get<double>();
   const double half = (f["high"].get<double>() - f["low"].get<double>()) / 2;
-  return fmt::format("{} ± {:.2g} %", sim::four_digits(mean), mean == 0 ? 0 : 100 * half / mean);
+  return fmt::format("{} ± {:.2g} %", sim::four_digit_text(mean), mean == 0 ? 0 : 100 * half / mean);
 }
 
 double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
@@ -221,7 +221,7 @@ std::optional<Draws> draws_in(const ReportFile& report, const std::string& metri
 }  // namespace
 
 Json statistics_json(const std::vector<double>& values) {
-  const Draws draws = draws_of(values);
+  const Draws draws = draw_statistics(values);
   return {{"mean", draws.mean},
           {"deviation", draws.deviation},
           {"low", draws.mean - draws.half_width()},
@@ -232,8 +232,8 @@ Json statistics_json(const std::vector<double>& values) {
 std::string replicates_text(const Json& replicates) {
   const Json& f = replicates["figures"];
   return fmt::format("{} runs, mean and 95 %: cycles {}, mJ {}, W {}, frames/J {}", replicates["count"].get<int>(),
-                     give_or_take(f, "cycles"), give_or_take(f, "energy_mj.nominal"),
-                     give_or_take(f, "power_w.nominal"), give_or_take(f, "perf.frames_per_joule_gpu"));
+                     mean_and_error_text(f, "cycles"), mean_and_error_text(f, "energy_mj.nominal"),
+                     mean_and_error_text(f, "power_w.nominal"), mean_and_error_text(f, "perf.frames_per_joule_gpu"));
 }
 
 std::string replicates_table(const Json& replicates) {
@@ -262,7 +262,7 @@ std::string replicates_table(const Json& replicates) {
     const Json& metric = replicates["figures"].at(at);
     std::vector<std::string> cells = {path};
     for (const char* part : {"mean", "deviation", "low", "high"}) {
-      cells.push_back(sim::four_digits(metric[part].get<double>()));
+      cells.push_back(sim::four_digit_text(metric[part].get<double>()));
     }
     table.add_row(std::move(cells));
   }
@@ -275,12 +275,12 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
   const std::optional<Draws> draws_a = draws_in(a, metric), draws_b = draws_in(b, metric);
   double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), metric);
   for (const auto& draws : {draws_a, draws_b}) {
-    if (draws) assumed = std::max(assumed, noise_of_pair(*draws));
+    if (draws) assumed = std::max(assumed, replicate_noise(*draws));
   }
   const auto seen = [&](double value, const std::optional<Draws>& draws) {
-    return draws ? SeenFigure{draws->mean, draws} : SeenFigure{value, {}, assumed};
+    return draws ? MeasuredFigure{draws->mean, draws} : MeasuredFigure{value, {}, assumed};
   };
-  const SeenFigure seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
+  const MeasuredFigure seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
   const MeanDifference d = difference_of(seen_a, seen_b);
   return NoisyDifference{d.value / seen_a.value, d.half_width() / seen_a.value, draws_a && draws_b,
                          std::abs(d.value) > d.half_width()};
@@ -331,7 +331,7 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
 
 /// Ratio of simulated to requested tiles above which a warning is given. Chosen: a small excess is normal, because
 /// blocks are whole tiles.
-constexpr double kMuchMore = 1.5;
+constexpr double kExcessWarningRatio = 1.5;
 
 double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
 double tni_mj(const FrameResult& run) {
@@ -608,7 +608,7 @@ std::vector<std::string> run_warnings(const RunConfig& config, std::span<const s
   }
   if (!sampled || sampled->asked == 0) return lines;
   const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);
-  if (timed > kMuchMore * sampled->asked) {
+  if (timed > kExcessWarningRatio * sampled->asked) {
     lines.push_back(
         fmt::format("--tile-sampling {:.3g}% simulated {:.3g} % of the tiles: the frame is too small for fewer, "
                     "given its start, its end and blocks of several tiles",

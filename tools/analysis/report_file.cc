@@ -186,8 +186,8 @@ constexpr std::size_t kMostShown = 8;
 }
 
 /// The report paths that a text typed by the user can denote: one path, a group, several ambiguous paths, or none.
-struct Meanings {
-  Meanings(std::string_view text, std::span<const std::string> paths) {
+struct PathCandidates {
+  PathCandidates(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
     const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
     // matching paths in order of precedence: in `totals`, elsewhere, in `frames`
@@ -241,10 +241,10 @@ std::string nominal_of(const std::vector<std::string>& group) {
 
 }  // namespace
 
-bool is_total(std::string_view path) { return path.starts_with("totals."); }
+bool is_totals_path(std::string_view path) { return path.starts_with("totals."); }
 
 std::string metric_name(std::string_view path) {
-  return std::string(is_total(path) ? path.substr(std::string_view("totals.").size()) : path);
+  return std::string(is_totals_path(path) ? path.substr(std::string_view("totals.").size()) : path);
 }
 
 Numbers report_numbers(const Json& report) {
@@ -273,7 +273,7 @@ Numbers unit_sums(const Json& report) {
 }
 
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {
-  const Meanings m(text, paths);
+  const PathCandidates m(text, paths);
   if (!m.one.empty()) return m.one;
   if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
   if (!m.group.empty()) {
@@ -293,7 +293,7 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
 }
 
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths) {
-  Meanings m(text, paths);
+  PathCandidates m(text, paths);
   if (!m.one.empty()) return {m.one};
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   if (text != "units") return m.group;

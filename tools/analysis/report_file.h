@@ -59,7 +59,7 @@ std::vector<ReportNumber> report_numbers(const sim::Json& report);
 std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
 /// True for a path in `totals`.
-bool is_total(std::string_view path);
+bool is_totals_path(std::string_view path);
 /// Returns the short form of a report path, which users may type: without a leading "totals.".
 std::string metric_name(std::string_view path);
 

@@ -118,8 +118,8 @@ std::string steps_per_ray(const Json& totals) {
 std::string efficiency_text(const Json& totals) {
   const Json& perf = totals["perf"];
   std::string out = fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone",
-                                sim::four_digits(perf["frames_per_joule_gpu"].get<double>()),
-                                sim::four_digits(perf["frames_per_joule_tni"].get<double>()));
+                                sim::four_digit_text(perf["frames_per_joule_gpu"].get<double>()),
+                                sim::four_digit_text(perf["frames_per_joule_tni"].get<double>()));
   if (totals["rays"]["total"].get<double>() > 0)
     out += fmt::format(", {:.2f} nJ per ray", perf["nj_per_ray"].get<double>());
   return out;
@@ -127,14 +127,14 @@ std::string efficiency_text(const Json& totals) {
 
 std::string area_text(const Json& totals) {
   return fmt::format("{}, {} frames/J and {} Mrays/s per mm2", band_text(totals["area_band_mm2"], 1, "mm2"),
-                     sim::four_digits(totals["perf"]["frames_per_joule_per_mm2"].get<double>()),
-                     sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
+                     sim::four_digit_text(totals["perf"]["frames_per_joule_per_mm2"].get<double>()),
+                     sim::four_digit_text(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
 
 std::string sustained_text(const Json& totals) {
   const Json& s = totals["sustained"];
   return fmt::format("{} frames/s after {:.4g} minutes, stability {:.1f} %, die {:.1f} C and body {:.1f} C at most",
-                     sim::four_digits(totals["sustained_fps"].get<double>()), s["minutes"].get<double>(),
+                     sim::four_digit_text(totals["sustained_fps"].get<double>()), s["minutes"].get<double>(),
                      100 * totals["stability"].get<double>(), s["hottest_die_c"].get<double>(),
                      s["hottest_body_c"].get<double>());
 }
@@ -175,8 +175,8 @@ std::string overview_text(const Json& report) {
   }
   if (t.contains("sliced")) line("slices", slices_text(t["sliced"]));
   line("cycles (T&I clock)",
-       fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
-                   sim::four_digits(t["perf"]["fps"].get<double>()), half_interval(t, "cycles")));
+       fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digit_text(t["time_ms"].get<double>()),
+                   sim::four_digit_text(t["perf"]["fps"].get<double>()), half_interval(t, "cycles")));
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
@@ -221,8 +221,8 @@ std::string energy_table(const Json& totals) {
   const double all = totals["energy_mj"]["nominal"].get<double>();
   const auto row = [&](const std::string& name, const Json& s) {
     const double nominal = s["nominal"].get<double>();
-    table.add_row({name, sim::four_digits(s["low"].get<double>()), sim::four_digits(nominal),
-                   sim::four_digits(s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
+    table.add_row({name, sim::four_digit_text(s["low"].get<double>()), sim::four_digit_text(nominal),
+                   sim::four_digit_text(s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
   };
   for (const auto& [block, s] : totals["energy_by_block_mj"].items()) row(block, s);
   row("total", totals["energy_mj"]);

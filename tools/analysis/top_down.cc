@@ -114,14 +114,14 @@ TniActivity tni_activity(const Trvs& trvs, const Ists& ist) {
 
 /// Returns the mean number of misses in flight: the sum of their latencies over elapsed time.
 template <class Unit>
-double misses_under_way(const Units<Unit>& units) {
+double mean_misses_in_flight(const Units<Unit>& units) {
   return safe_ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
 /// Returns the mean number of rays that wait for a line; several may wait for the same line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
-  return misses_under_way(units) *
+  return mean_misses_in_flight(units) *
          safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
@@ -130,8 +130,8 @@ void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw
                  const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
   constexpr auto kSpill = static_cast<std::size_t>(hw::Area::kSpill);
-  const Units<hw::Dma> all(units), dma(units, hw::name_in_core(hw::Dma::kName, core));
-  const Units<hw::CorePort> port(units, hw::name_in_core(hw::CorePort::kDmaPort, core));
+  const Units<hw::Dma> all(units), dma(units, hw::unit_name_in_core(hw::Dma::kName, core));
+  const Units<hw::CorePort> port(units, hw::unit_name_in_core(hw::CorePort::kDmaPort, core));
   const Units<hw::DramChannel> channels(units);
   const Units<hw::L2Bank> banks(units);
   const auto lines = [](const Units<hw::Dma>& of) {
@@ -178,7 +178,7 @@ double tracing_demand(const Trvs& trvs) {
 
 /// Moves time without rays from a core's `transfers` to its rasteriser, up to the rasteriser's busy time. An
 /// approximation: in this time launches mostly wait for the rasteriser.
-void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLatencies& memory, CoreTime& t) {
+void charge_raster_time(const Units<hw::RasterUnit>& rasteriser, const MemoryLatencies& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
   if (busy == 0) return;
   const double misses = rasteriser.share(OfRaster::kMemory) + rasteriser.share(OfRaster::kPortFull);
@@ -192,7 +192,7 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLa
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
   constexpr double kIdealRays = 64;  // rays that wait for lines at once in an ideal traversal unit (hw::IdealConfig)
-  const std::string core = hw::name_in_core("core.", number);
+  const std::string core = hw::unit_name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
   const Ists ist(units, core);
@@ -203,14 +203,14 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   t.banks = srp.share(OfSrp::kBanks);
   t.data_misses = srp.share(OfSrp::kCacheMiss);
   t.no_tile = srp.share(OfSrp::kStarved);
-  const Units<hw::CorePort> port(units, hw::name_in_core(hw::CorePort::kCachePort, number));
+  const Units<hw::CorePort> port(units, hw::unit_name_in_core(hw::CorePort::kCachePort, number));
   using PortStats = hw::CorePort::Stats;
   t.demands = {
       .no_slots = srp.share(OfSrp::kNoSlots),
       .fed = safe_ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
       .occupied = 1 - trvs.share(OfTrv::kStarved),
-      .tree_lines =
-          std::max(misses_under_way(trvs) / config.tni.trv.l1.mshrs, misses_under_way(ist) / config.tni.ist.l1.mshrs),
+      .tree_lines = std::max(mean_misses_in_flight(trvs) / config.tni.trv.l1.mshrs,
+                             mean_misses_in_flight(ist) / config.tni.ist.l1.mshrs),
       .tree_waits = std::max(rays_waiting(trvs), rays_waiting(ist)) / kIdealRays,
       .tests = std::max(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), ist.share(OfIst::kTesting)),
       .data_lines = safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
@@ -222,7 +222,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   add_traffic(units, number, config, memory, t.demands);
   const double tracing = safe_ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
-  part_from_transfers(Units<hw::RasterUnit>(units, core), memory, t);
+  charge_raster_time(Units<hw::RasterUnit>(units, core), memory, t);
   const TniActivity in = tni_activity(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
@@ -313,7 +313,7 @@ double data_bus_share(std::span<const UnitReport> units) {
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   const MemoryLatencies memory = memory_latencies(units, config);
   TopDown view;
-  for (std::uint32_t c = 0; !Units<hw::Srp>(units, hw::name_in_core(hw::Srp::kName, c)).empty(); ++c) {
+  for (std::uint32_t c = 0; !Units<hw::Srp>(units, hw::unit_name_in_core(hw::Srp::kName, c)).empty(); ++c) {
     view.cores.push_back(core_time(units, c, memory, config));
   }
   const auto cores = static_cast<double>(view.cores.size());
@@ -340,11 +340,12 @@ sim::Json time_json(const CoreTime& t) {
   return out;
 }
 
-std::string part_words(const std::string& path) {
+std::string describe_time_part(const std::string& path) {
   constexpr std::array<std::pair<std::string_view, const char*>, 3> kLevels = {
       {{"dram", "DRAM"}, {"l2", "L2"}, {"interconnect", "interconnect"}}};
   const std::size_t dot = path.find('.');
-  if (dot != std::string::npos) return part_words(path.substr(0, dot)) + ": " + part_words(path.substr(dot + 1));
+  if (dot != std::string::npos)
+    return describe_time_part(path.substr(0, dot)) + ": " + describe_time_part(path.substr(dot + 1));
   for (const TimePart& part : kParts) {
     if (part.name == path) return part.words;
   }
@@ -367,7 +368,7 @@ std::string top_down_text(const sim::Json& time) {
     const double all = sum_of_levels(share);
     if (all < 0.005) continue;
     const std::string inner = share.is_object() ? top_down_text(share) : "";
-    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", part_words(name), 100 * all,
+    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", describe_time_part(name), 100 * all,
                                         inner.empty() ? "" : fmt::format(" ({})", inner)));
   }
   std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
@@ -381,7 +382,7 @@ GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after)
   for (const auto& [name, share] : before.time.items()) {
     if (name == "demands") continue;
     const double more = after.cycles * sum_of_levels(after.time.at(name)) - before.cycles * sum_of_levels(share);
-    if (more > most.cycles) most = {part_words(name), more};
+    if (more > most.cycles) most = {describe_time_part(name), more};
   }
   return most;
 }
@@ -402,7 +403,7 @@ constexpr double kPortAtBest = 0.7;
 constexpr double kTestsAtBest = 0.85;
 /// Fraction of the ideal gain from more ray slots that is realised.
 constexpr double kSlotsGain = 0.6;
-constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // fitted parameters of never_full()
+constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // fitted parameters of remaining_free_slot_share()
 
 /// Times of a core's three stages if each worked alone: shader core, T&I unit, and DMA with spilled ray slots.
 using Stages = std::array<double, 3>;
@@ -429,14 +430,14 @@ double overlap_exponent(const Stages& stages, double time) {
 
 /// Returns the fraction of the T&I unit's time with free ray slots that would remain with ideal shader cores. The ends
 /// of tiles always remain. The fraction grows with the time in which launches wait for ray slots of the tile buffer.
-double never_full(const CoreTime::Demands& d) {
+double remaining_free_slot_share(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
 /// Returns the queue length of a memory after the fraction `gone` of its traffic is removed, relative to the length
 /// before. Queue length is r / (1 - r) at utilisation r.
-double queue_left(double busy, double gone) {
+double remaining_queue_ratio(double busy, double gone) {
   constexpr double kMostBusy = 0.95;  // limits the queue length, which is finite in a finite frame
   if (busy <= 0) return 1;
   const double r = std::min(busy, kMostBusy), left = r * (1 - gone);
@@ -447,7 +448,7 @@ double queue_left(double busy, double gone) {
 struct Least {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };
-Least least_times(const CoreTime::Demands& d) {
+Least lower_time_bounds(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
           .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: half of the free MSHRs could be used, too
           .wires = d.port_lines / kPortAtBest,
@@ -457,7 +458,7 @@ Least least_times(const CoreTime::Demands& d) {
 /// Returns the times of a core's stages if no ray slots were spilled: memory queues are shorter and the L2 is blocked
 /// less. `tree`: miss time of the T&I unit.
 Stages without_spills(const CoreTime& t, double tree) {
-  const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
+  const double relief = t.demands.dram_queue * (1 - remaining_queue_ratio(t.demands.dram_busy, t.demands.spills));
   const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
   return {t.busy_share() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
 }
@@ -485,9 +486,9 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
       t.tracing_share() > 0 ? d.fed * t.tree_misses / t.tracing_share() : 0;  // miss time of the T&I unit
   const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
   const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
-  const double full_tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
+  const double full_tracing = d.tracing + (d.fed - d.tracing) * remaining_free_slot_share(d);
 
-  const Least least = least_times(d);
+  const Least least = lower_time_bounds(d);
   const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
   const double all = std::max({least.memory, least.lines, least.wires});
 

@@ -87,7 +87,7 @@ sim::Json time_json(const CoreTime& time);
 /// Returns the times by cause as JSON {gpu, cores[]}; each entry has the form of time_json().
 sim::Json top_down_json(const TopDown& view);
 /// Returns the description of a path in time_json(): "tree misses: DRAM" for "tree_misses.dram".
-std::string part_words(const std::string& path);
+std::string describe_time_part(const std::string& path);
 /// Formats a result of time_json() as one line, largest share first: "kernels 44 %, data-cache misses 30 % (DRAM 22 %,
 /// ...), ...".
 std::string top_down_text(const sim::Json& time);

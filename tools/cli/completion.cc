@@ -159,11 +159,11 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
 }
 
 /// Returns which list of keys a verb's --set accepts, as the name of a member of SetKeys.
-const char* list_of_keys(const DeclaredVerb& verb) {
+const char* set_key_list(const DeclaredVerb& verb) {
   return join_words(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
 
-bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
+bool is_set_option(const DeclaredOption& option) { return option.names.front() == "--set"; }
 
 /// Calls f(patterns, variable, values) for each option of a verb that takes a value. `variable`: shell variable for the
 /// completions: "choices" if only `values` are allowed, "names" if files are also allowed, "keys" for a list of keys,
@@ -173,8 +173,8 @@ void for_each_option_value(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
     if (option.is_positional) continue;
     const std::vector<std::string> known = known_names(verb, option);
-    if (takes_keys(option)) {
-      f(option.names, "keys", std::vector<std::string>{list_of_keys(verb)});
+    if (is_set_option(option)) {
+      f(option.names, "keys", std::vector<std::string>{set_key_list(verb)});
     } else if (!option.choices.empty()) {
       f(option.names, "choices", option.choices);
     } else if (!option.takes.empty()) {
@@ -344,8 +344,8 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       }
       if (!option.choices.empty()) out += " -x -a " + single_quoted(join_words(option.choices));
-      if (!option.takes.empty() && option.choices.empty()) out += takes_keys(option) ? " -x" : " -r";
-      if (takes_keys(option)) out += fmt::format(" -a '(__raywatt_settings {})'", list_of_keys(verb));
+      if (!option.takes.empty() && option.choices.empty()) out += is_set_option(option) ? " -x" : " -r";
+      if (is_set_option(option)) out += fmt::format(" -a '(__raywatt_settings {})'", set_key_list(verb));
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
         out += " -a " + single_quoted(join_words(names));
       }

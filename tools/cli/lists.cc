@@ -93,7 +93,7 @@ std::string config_list() {
 }
 
 /// Throws InputError if the argument of `raywatt config show` is a configuration key instead of a configuration.
-void refuse_key(const std::string& name) {
+void reject_key_argument(const std::string& name) {
   if (std::ranges::count(config_names(), name) != 0) return;
   for (const sim::FieldInfo& field : sim::list_fields(RunConfig())) {
     const bool is_key = field.path == name;
@@ -120,7 +120,7 @@ void add_config(CLI::App& app) {
   add_config_options(*show, options->config, options->sets);
   show->footer("Example: raywatt config show sgrt-2016 --set cores=2");
   show->callback([options] {
-    refuse_key(options->config);
+    reject_key_argument(options->config);
     fmt::print("{}", sim::dump_config(load_run_config(*options)));
     print_table_warnings(*options);
   });
@@ -208,7 +208,7 @@ void print_scenes() {
 }
 
 /// A scene given on the command line: a built-in scene, a workload or a file.
-struct Wanted {
+struct SceneArgument {
   JobOptions job;
   traces::Scene open_scene() const { return open_scene(load_run_config(job)); }
   static traces::Scene open_scene(const RunConfig& config) {
@@ -217,7 +217,7 @@ struct Wanted {
 };
 
 struct InfoOptions {
-  Wanted scene;
+  SceneArgument scene;
   bool cameras = false, json = false;
 };
 
@@ -227,7 +227,7 @@ void print_scene(const InfoOptions& options) {
   const std::uint64_t before = memory_in_use("VmRSS");
   const std::filesystem::path file = traces::scene_file(config.scene.name);
   auto begin = sim::HostClock::now();
-  const traces::Scene scene = Wanted::open_scene(config);
+  const traces::Scene scene = SceneArgument::open_scene(config);
   cost.load_s = sim::seconds_since(begin);
   begin = sim::HostClock::now();
   const traces::MemoryImage image = traces::build_memory_image(scene, config.bvh, 0, nullptr, config.render.mip_maps);
@@ -241,7 +241,7 @@ void print_scene(const InfoOptions& options) {
 }
 
 struct ExportOptions {
-  Wanted scene;
+  SceneArgument scene;
   std::filesystem::path out;
   bool force = false;
 };
@@ -261,7 +261,7 @@ void export_scene(const ExportOptions& options) {
   fmt::print("{}: {}\n", shown, sim::si_text(static_cast<double>(bytes.size()), "B"));
 }
 
-CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, Wanted& wanted) {
+CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, SceneArgument& wanted) {
   CLI::App* sub = verb.add_subcommand(name, description);
   sub->add_option("scene", wanted.job.scene, "built-in scene, workload, or .gltf or .glb file")->required();
   sub->add_option("--set", wanted.job.sets, "set a configuration key, e.g. scene.triangles=100000 (repeatable)")

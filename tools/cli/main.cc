@@ -114,7 +114,7 @@ bool is_number(const std::string& text) {
 
 /// Rewords an error of CLI11 as "where: what; allowed: what", e.g. "--ideal: 'l3' is unknown; allowed: tni, l1".
 /// Returns other errors unchanged.
-std::string reworded(const std::string& error) {
+std::string reword_cli_error(const std::string& error) {
   constexpr std::string_view kNoConversion = "Could not convert: ", kValue = "Value ", kNotIn = " not in {",
                              kNotInRange = " not in range ", kTo = " to ", kLeast = "At least ", kMost = "At Most ",
                              kReceived = " required but received ", kRequired = " required ", kMissing = " missing";
@@ -162,7 +162,7 @@ class UsageFormatter : public CLI::Formatter {
 };
 
 /// Returns a message that suggests --help for "raywatt help run"; empty for other command lines.
-std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
+std::string help_verb_message(const CLI::App& verb, int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "help") return {};
   return fmt::format("help is an option; allowed: {} --help", command_of(verb));
 }
@@ -208,13 +208,13 @@ int run_command(int argc, char** argv) {
       return exit;
     }
     const CLI::App& verb = selected_verb(app);
-    std::string problem = help_as_word(verb, argc, argv);
+    std::string problem = help_verb_message(verb, argc, argv);
     if (problem.empty()) problem = unknown_verb(verb);
     if (problem.empty()) problem = unknown_option(verb);
     if (problem.empty() && error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
       problem = missing_argument(verb);
     }
-    if (problem.empty()) problem = fmt::format("{}; see {} --help", reworded(error.what()), command_of(verb));
+    if (problem.empty()) problem = fmt::format("{}; see {} --help", reword_cli_error(error.what()), command_of(verb));
     return print_error(problem, tools::kBadInput);
   }
   tools::flush_output();

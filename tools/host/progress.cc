@@ -61,7 +61,7 @@ std::string duration_text(double seconds) {
 
 }  // namespace
 
-double ProgressState::done_share() const {
+double ProgressState::finished_share() const {
   // finished share of the current part; 0 once it is complete, because `part` then counts it
   const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;
   return (part + of_part) / parts;
@@ -71,7 +71,7 @@ double ProgressState::rays_per_s() const { return traced_seconds > 0 ? static_ca
 
 double ProgressState::seconds_left() const {
   const double before = tiles == 0 ? 0 : static_cast<double>(tile_before) / tiles / parts;
-  return done_share() > before ? busy_seconds * (1 - done_share()) / (done_share() - before) : -1;
+  return finished_share() > before ? busy_seconds * (1 - finished_share()) / (finished_share() - before) : -1;
 }
 
 std::string progress_line(const ProgressState& s, std::size_t columns) {
@@ -79,9 +79,9 @@ std::string progress_line(const ProgressState& s, std::size_t columns) {
   line += s.phase;
   if (s.tiles != 0) {
     if (s.parts > 1) line += fmt::format(" frame {}", s.frame);
-    const auto full = static_cast<std::size_t>(s.done_share() * kBar);
-    line +=
-        fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'), 100 * s.done_share());
+    const auto full = static_cast<std::size_t>(s.finished_share() * kBar);
+    line += fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'),
+                        100 * s.finished_share());
     if (s.rays != 0) line += "  " + sim::si_text(s.rays_per_s(), "rays/s");
     if (s.ended) {
       line += "  after " + duration_text(s.seconds);
@@ -228,7 +228,7 @@ void Progress::show_view() {
   const std::size_t left = rows > taken + 1 ? rows - taken - 1 : 0;
   if (shows_picture_) {
     const SmallPicture picture = view_->picture(columns - 1, 2 * left);
-    text += half_blocks(picture);
+    text += draw_half_blocks(picture);
     taken += (picture.height + 1) / 2;
   }
   for (const std::string& line : lines) text += "\r" + line + "\x1b[K\n";
@@ -292,7 +292,7 @@ bool has_true_colour() {
   return value == "truecolor" || value == "24bit";
 }
 
-std::string half_blocks(const SmallPicture& picture) {
+std::string draw_half_blocks(const SmallPicture& picture) {
   std::string out;
   for (std::size_t y = 0; y < picture.height; y += 2) {
     out += '\r';

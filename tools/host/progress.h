@@ -33,7 +33,7 @@ class View {
 bool has_true_colour();
 
 /// Draws a picture in half blocks: two pixels per character, one above the other, in 24-bit colour.
-std::string half_blocks(const SmallPicture& picture);
+std::string draw_half_blocks(const SmallPicture& picture);
 
 /// State of a job's progress, as displayed.
 struct ProgressState {
@@ -49,7 +49,7 @@ struct ProgressState {
   double busy_seconds = 0;    ///< seconds since the start of the first part
   double traced_seconds = 0;  ///< seconds within parts that trace rays, without the time between parts
 
-  double done_share() const;  ///< finished share of the job, 0 to 1
+  double finished_share() const;  ///< finished share of the job, 0 to 1
   double rays_per_s() const;
   double seconds_left() const;  ///< estimated seconds until the end of the job; negative if unknown
 };

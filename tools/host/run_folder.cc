@@ -96,7 +96,7 @@ bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
 }
 
 /// Returns the result files that an earlier run of the verb left in the folder; none in a folder of another verb.
-std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb) {
+std::vector<fs::path> earlier_result_files(const fs::path& folder, const ResultsOf& verb) {
   std::vector<fs::path> files;
   if (former_results(folder, verb) != Former::kOwn) return files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -214,7 +214,7 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }
 
-bool RunFolder::holds_former_run() const { return former_results(target_, verb_) != Former::kNone; }
+bool RunFolder::has_earlier_run() const { return former_results(target_, verb_) != Former::kNone; }
 
 void RunFolder::fill(const std::function<std::string(const Open& folder)>& write) {
   std::optional<HoldInterrupts> hold;
@@ -238,7 +238,7 @@ void RunFolder::fill(const std::function<std::string(const Open& folder)>& write
     fs::rename(staging.path(), target_, error);
   }
   if (is_occupied(error)) {
-    const std::vector<fs::path> former = former_files(target_, verb_);
+    const std::vector<fs::path> former = earlier_result_files(target_, verb_);
     const auto files = static_cast<std::size_t>(std::distance(fs::directory_iterator(target_), {}));
     error = former.size() == files && !is_working_directory(target_) ? exchange_folders(staging.path(), target_)
                                                                      : move_results(staging.path(), target_, former);

@@ -37,7 +37,7 @@ class RunFolder {
   void fill(const std::function<std::string(const Open& folder)>& write);
 
   /// True if the target folder contains a former run, which fill() would replace.
-  bool holds_former_run() const;
+  bool has_earlier_run() const;
 
   const std::filesystem::path& target() const { return target_; }
 

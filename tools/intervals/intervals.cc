@@ -292,9 +292,9 @@ constexpr double kGigabytesPerByteOverFemtosecond = 1e6;
 constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 
 /// Collects series of values; series are in the order in which their names first appear.
-class Growing {
+class SeriesCollector {
  public:
-  explicit Growing(std::vector<IntervalSeries>& series) : series_(series) {}
+  explicit SeriesCollector(std::vector<IntervalSeries>& series) : series_(series) {}
   void next_interval() { at_ = 0; }
   void add(std::string_view group, std::string_view name, std::string_view unit, double value) {
     if (at_ == series_.size()) series_.push_back({std::string(group), std::string(name), std::string(unit), {}});
@@ -420,7 +420,7 @@ class Table {
   sim::EnergyFormula energy_;
   Reports until_, within_;
   IntervalTable table_;
-  Growing series_;
+  SeriesCollector series_;
   double time_ = 1;  ///< length of the current interval in fs
   std::vector<double> blocks_before_, kinds_before_;
 };

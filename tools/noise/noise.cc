@@ -58,15 +58,17 @@ double default_noise(double pixels, std::string_view figure) {
 
 bool is_noisy(std::string_view figure) { return is_among(figure, kNoisyFigures); }
 
-double noise_of_pair(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
+double replicate_noise(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
 
-double SeenFigure::standard_error() const {
+double MeasuredFigure::standard_error() const {
   return draws ? difference_of(*draws, Draws{1, 0, 0}).error : assumed * std::abs(value) / deviations_of_pair();
 }
 
-double SeenFigure::half_width() const { return draws ? draws->half_width() : student_t(kEndless) * standard_error(); }
+double MeasuredFigure::half_width() const {
+  return draws ? draws->half_width() : student_t(kEndless) * standard_error();
+}
 
-MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
+MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b) {
   if (a.draws && b.draws) return difference_of(*a.draws, *b.draws);
   return {b.value - a.value, std::hypot(a.standard_error(), b.standard_error()), kEndless};
 }
@@ -91,7 +93,7 @@ double Draws::half_width() const {
   return student_t(n - 1) * deviation / std::sqrt(n);
 }
 
-Draws draws_of(std::span<const double> values) {
+Draws draw_statistics(std::span<const double> values) {
   Draws draws{values.size(), 0, 0};
   if (values.empty()) return draws;
   const auto n = static_cast<double>(values.size());

@@ -23,7 +23,7 @@ struct Draws {
   /// Returns the half-width of the 95 % interval of the mean, by Student's t; 0 for a single draw.
   double half_width() const;
 };
-Draws draws_of(std::span<const double> values);
+Draws draw_statistics(std::span<const double> values);
 
 /// Difference b - a of two means with possibly unequal variances (Welch, Biometrika 1947).
 struct MeanDifference {
@@ -76,7 +76,7 @@ double default_noise(double pixels, std::string_view figure);
 bool is_noisy(std::string_view figure);
 
 /// A figure measured for a design: the mean of replicates, or the value of one run.
-struct SeenFigure {
+struct MeasuredFigure {
   double value = 0;
   std::optional<Draws> draws{};  ///< statistics over replicates; empty for a single run
   double assumed = 0;  ///< default_noise() of the figure if there are no replicates; 0: the figure does not vary
@@ -87,10 +87,10 @@ struct SeenFigure {
   double half_width() const;
 };
 /// Returns the difference b - a of two figures and its error; by Welch's test if both have replicates.
-MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
+MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b);
 
 /// Returns the noise of a figure from its replicates. Like default_noise(), it is the half-width of the 95 % interval
 /// of the difference of two runs, as a share of the figure.
-double noise_of_pair(const Draws& draws);
+double replicate_noise(const Draws& draws);
 
 }  // namespace tools

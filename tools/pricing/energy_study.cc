@@ -12,8 +12,8 @@ constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = "
 
 }  // namespace
 
-double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
-  if (block == kPeriod) return run.of_period(side);
+double side_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
+  if (block == kPeriod) return run.period_energy_pj(side);
   return block.empty() ? run.total(side) : run.of_block(block, side);
 }
 
@@ -31,14 +31,17 @@ std::optional<EnergyMetric> energy_metric(std::string_view path) {
   return EnergyMetric{std::string(path), false};
 }
 
-double nominal_pj(const PricedRun& run, const std::string& block) { return side_pj(run, block, &sim::Band::nominal); }
+double nominal_energy_pj(const PricedRun& run, const std::string& block) {
+  return side_energy_pj(run, block, &sim::Band::nominal);
+}
 
-std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint64_t draws, std::uint64_t seed) {
+std::vector<double> energy_by_draw_pj(PricedRun& run, const std::string& block, std::uint64_t draws,
+                                      std::uint64_t seed) {
   std::vector<double> out;
   out.reserve(draws);
   for (std::uint64_t i = 0; i < draws; ++i) {
     run.apply_draw({seed, i});
-    out.push_back(nominal_pj(run, block));
+    out.push_back(nominal_energy_pj(run, block));
   }
   run.restore_nominal();
   return out;
@@ -58,8 +61,8 @@ Interval95 interval_of(std::vector<double> samples) {
 EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block) {
   EnergyRatio out;
   for (const sim::BandMember side : sim::kBandMembers)
-    out.together.*side = side_pj(b, block, side) / side_pj(a, block, side);
-  const std::vector<double> of_a = drawn_pj(a, block), of_b = drawn_pj(b, block);
+    out.together.*side = side_energy_pj(b, block, side) / side_energy_pj(a, block, side);
+  const std::vector<double> of_a = energy_by_draw_pj(a, block), of_b = energy_by_draw_pj(b, block);
   std::vector<double> ratios;
   std::size_t less = 0;
   for (std::size_t i = 0; i < of_a.size(); ++i) {
@@ -84,7 +87,7 @@ std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs) {
   return names;
 }
 
-void set_alone(PricedRun& run, const std::string& entry, double quantile) {
+void set_single_entry(PricedRun& run, const std::string& entry, double quantile) {
   for (EnergyEntry& e : run.band_entries()) {
     e.restore_nominal();
     if (e.name == entry) e.set_quantile(quantile);
@@ -96,9 +99,9 @@ std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::stri
   std::vector<TornadoBar> bars;
   for (const std::string& entry : entries_of({&a, &b})) {
     const auto ratio = [&](double quantile) {
-      set_alone(a, entry, quantile);
-      set_alone(b, entry, quantile);
-      return nominal_pj(b, block) / nominal_pj(a, block);
+      set_single_entry(a, entry, quantile);
+      set_single_entry(b, entry, quantile);
+      return nominal_energy_pj(b, block) / nominal_energy_pj(a, block);
     };
     TornadoBar bar{entry, ratio(0), 0};
     bar.at_high = ratio(1);

@@ -11,7 +11,8 @@ namespace tools {
 
 inline constexpr std::uint64_t kEnergyDraws = 2000, kEnergySeed = 1;
 
-/// Block name that selects the energy of a whole frame period at frame.fps (PricedRun::of_period) instead of a block's.
+/// Block name that selects the energy of a whole frame period at frame.fps (PricedRun::period_energy_pj) instead of a
+/// block's.
 inline constexpr std::string_view kPeriod = "(period)";
 
 /// A figure of a report that is proportional to energy or to its inverse.
@@ -31,8 +32,8 @@ inline constexpr std::string_view kEnergyMetrics =
 
 /// Returns the energy in pJ of a block (of all blocks for an empty name) under each random draw of the energy tables.
 /// Restores the nominal tables afterwards.
-std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint64_t draws = kEnergyDraws,
-                             std::uint64_t seed = kEnergySeed);
+std::vector<double> energy_by_draw_pj(PricedRun& run, const std::string& block, std::uint64_t draws = kEnergyDraws,
+                                      std::uint64_t seed = kEnergySeed);
 
 /// Median and 95 % interval of samples: quantiles with linear interpolation.
 struct Interval95 {
@@ -60,10 +61,10 @@ std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::stri
 /// Returns the names of the energy table entries that at least one run has, in order of first appearance.
 std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs);
 /// Sets one energy table entry of a run to a quantile of its band and all other entries to nominal.
-void set_alone(PricedRun& run, const std::string& entry, double quantile);
+void set_single_entry(PricedRun& run, const std::string& entry, double quantile);
 /// Returns the energy in pJ of a block under the low or high energy tables; an empty name means all blocks.
-double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side);
+double side_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember side);
 /// Returns the energy in pJ of a block under the current nominal figures; an empty name means all blocks.
-double nominal_pj(const PricedRun& run, const std::string& block);
+double nominal_energy_pj(const PricedRun& run, const std::string& block);
 
 }  // namespace tools

@@ -70,7 +70,7 @@ bool EnergyEntry::has_band() const {
 }
 
 void EnergyEntry::set_quantile(double quantile) {
-  for (const Figure& f : figures) f.value->nominal = at_quantile(f.band, quantile);
+  for (const Figure& f : figures) f.value->nominal = value_at_quantile(f.band, quantile);
 }
 
 void EnergyEntry::restore_nominal() {
@@ -83,7 +83,7 @@ std::vector<EnergyEntry> energy_entries(RunConfig& config) {
   return entries;
 }
 
-double at_quantile(const sim::Band& band, double quantile) {
+double value_at_quantile(const sim::Band& band, double quantile) {
   const bool lower = quantile < 0.5;
   const double from = lower ? band.low : band.nominal, to = lower ? band.nominal : band.high;
   const double part = lower ? 2 * quantile : 2 * quantile - 1;
@@ -91,7 +91,7 @@ double at_quantile(const sim::Band& band, double quantile) {
 }
 
 double EnergyDraw::quantile_of(const EnergyEntry& entry) const {
-  return sim::unit_float(sim::hash(seed, number, entry.hash));
+  return sim::hash_to_unit_float(sim::hash(seed, number, entry.hash));
 }
 
 namespace {
@@ -201,21 +201,21 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
 void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   device_ = hw::dram_energy_events(config_.gpu->dram);
   check_table_names(units, config_);
-  extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
+  extrapolated_ = sim::curve_range_warnings(units, config_.energy.events, {});
   std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
   RunConfig priced = config_;
   priced.area.arrays.clear();  // no warning about the process of the area table, which does not affect energy
   std::ranges::move(process_warnings(priced), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
-  idle_ = std::make_unique<sim::EnergyFormula>(idle_for_a_millisecond(units), config_.energy, device_,
+  idle_ = std::make_unique<sim::EnergyFormula>(idle_millisecond_reports(units), config_.energy, device_,
                                                sim::kFemtosecondsPerSecond / 1000, power_scales(config_));
 }
 
-double PricedRun::of_period(sim::BandMember side) const {
+double PricedRun::period_energy_pj(sim::BandMember side) const {
   const std::vector<double> kinds = idle_->kind_energies(side);  // in order: dynamic, clock, leakage
-  const double chip_pj_per_ms = between_frames(config_.power, kinds[2], kinds[1]);
+  const double chip_pj_per_ms = remaining_between_frames(config_.power, kinds[2], kinds[1]);
   constexpr double kPicojoulesPerMicrojoule = 1e6;  // mW x ms = uJ
-  const double memory_pj_per_ms = hw::dram_idle_mw(config_.gpu->dram).*side * kPicojoulesPerMicrojoule;
+  const double memory_pj_per_ms = hw::dram_idle_power_mw(config_.gpu->dram).*side * kPicojoulesPerMicrojoule;
   const double rest_ms = std::max(0.0, 1000 / config_.frame.fps - work_.time_ms / work_.frames);
   return total(side) / work_.frames + (chip_pj_per_ms + memory_pj_per_ms) * rest_ms;
 }

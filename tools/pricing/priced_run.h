@@ -39,7 +39,7 @@ std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
 /// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the
 /// logarithm, or the figure itself if low is 0.
-double at_quantile(const sim::Band& band, double quantile);
+double value_at_quantile(const sim::Band& band, double quantile);
 
 /// A random draw of all table entries: an independent quantile for each name. Entries with the same name have the same
 /// quantile in all designs, at all points of a curve.
@@ -88,7 +88,7 @@ class PricedRun {
   double of_block(const std::string& block, sim::BandMember side) const;
   /// Returns the mean energy in pJ of a frame period at the target rate frame.fps (above 0): a frame and the idle time
   /// after it.
-  double of_period(sim::BandMember side) const;
+  double period_energy_pj(sim::BandMember side) const;
 
  private:
   void make_formula(const std::vector<sim::UnitReport>& units);

@@ -15,7 +15,7 @@
 
 namespace tools {
 
-FrameRate rate_of_report(const ReportFile& report, double fps) {
+FrameRate evaluate_report_rate(const ReportFile& report, double fps) {
   const PricedRun run(report);
   RunConfig config = run.config();
   config.frame.fps = fps;
@@ -26,15 +26,15 @@ FrameRate rate_of_report(const ReportFile& report, double fps) {
   for (int i = 0; i < static_cast<int>(run.work().frames); ++i) {
     slowest_ms = std::max(slowest_ms, report.number(fmt::format("frames[{}].time_ms", i)));
   }
-  return at_frame_rate(config, {.energy = energy,
-                                .units = units,
-                                .count = run.work().frames,
-                                .time_ms = run.work().time_ms,
-                                .slowest_ms = slowest_ms > 0 ? slowest_ms : mean_ms});
+  return evaluate_frame_rate(config, {.energy = energy,
+                                      .units = units,
+                                      .count = run.work().frames,
+                                      .time_ms = run.work().time_ms,
+                                      .slowest_ms = slowest_ms > 0 ? slowest_ms : mean_ms});
 }
 
 void set_frame_rate(ReportFile& report, double fps) {
-  sim::Json rated = frame_rate_json(rate_of_report(report, fps));
+  sim::Json rated = frame_rate_json(evaluate_report_rate(report, fps));
   for (ReportNumber& number : report_numbers({{"totals", rated}}))
     report.numbers[std::move(number.path)] = number.value;
   if (const sim::JsonPointer figures("/totals/replicates/figures"); report.json.contains(figures)) {

@@ -6,10 +6,10 @@ namespace tools {
 
 /// Evaluates the frames of a finished run at the target rate `fps`, with the run's own energy table. Throws InputError
 /// if the report cannot be priced (PricedRun).
-FrameRate rate_of_report(const ReportFile& report, double fps);
+FrameRate evaluate_report_rate(const ReportFile& report, double fps);
 
 /// Sets at_fps, power_at_fps_w and fps_margin in a report's totals to the values of a run with frame.fps = `fps`.
-/// Removes their statistics over replicates. Throws InputError like rate_of_report().
+/// Removes their statistics over replicates. Throws InputError like evaluate_report_rate().
 void set_frame_rate(ReportFile& report, double fps);
 
 }  // namespace tools

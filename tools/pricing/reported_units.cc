@@ -68,7 +68,7 @@ void ReportedCounts::fill(std::vector<sim::UnitReport>& units) const {
 }
 
 bool ReportedCounts::has_rasteriser() const {
-  return node_of(*units_, hw::name_in_core(hw::RasterUnit::kName, 0)) != nullptr;
+  return node_of(*units_, hw::unit_name_in_core(hw::RasterUnit::kName, 0)) != nullptr;
 }
 
 void ReportedCounts::refuse(const std::string& why) const {

@@ -48,7 +48,7 @@ namespace {
 
 /// A finished frame and the pictures to write.
 struct FramePictures {
-  const PlayedFrame& played;
+  const SimulatedFrame& played;
   const kernels::ProgramSpec& program;
   bool has_picture = true;  ///< false if tile sampling did not render all tiles
   bool debug = false;       ///< also write debug pictures
@@ -64,7 +64,7 @@ class PictureFiles {
         height_(of.played.inputs.config.render.height) {}
 
   /// Returns the jobs that write the files, the slowest first.
-  std::vector<std::function<void()>> write_jobs() {
+  std::vector<std::function<void()>> picture_jobs() {
     const std::vector<float>& rgb = of_.played.frame.rendered.rgb;
     if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) add_exr("image.exr", rgb);
     if (of_.played.is_first && of_.played.reference != nullptr)
@@ -127,7 +127,7 @@ class PictureFiles {
 /// `threads` threads. Throws IoError if a file cannot be written.
 void write_pictures(const std::filesystem::path& folder, const FramePictures& of, std::size_t threads) {
   PictureFiles files(folder, of);
-  const std::vector<std::function<void()>> jobs = files.write_jobs();
+  const std::vector<std::function<void()>> jobs = files.picture_jobs();
   parallel_for(jobs.size(), threads, [&](std::size_t i, std::size_t) { jobs[i](); });
 }
 
@@ -195,8 +195,8 @@ class LiveRun final : public View, public RunWatcher {
     const std::lock_guard lock(mutex_);
     requested_ = true;
     if (row_.empty()) return {};
-    const double watts = (until_pj(row_, end_) - until_pj(before_, begin_)) / static_cast<double>(end_ - begin_) *
-                         sim::kWattsPerPicojouleOverFemtosecond;
+    const double watts = (energy_until_pj(row_, end_) - energy_until_pj(before_, begin_)) /
+                         static_cast<double>(end_ - begin_) * sim::kWattsPerPicojouleOverFemtosecond;
     sim::each_value(units_,
                     [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row_[i] - before_[i]; });
     const Utilisation used = utilisation_of(units_);
@@ -213,7 +213,7 @@ class LiveRun final : public View, public RunWatcher {
   }
 
  private:
-  double until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
+  double energy_until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
     sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
     formula_->set_counts(units_, end);
     return formula_->total_pj(&sim::Band::nominal);
@@ -234,13 +234,13 @@ class LiveRun final : public View, public RunWatcher {
   sim::Time begin_ = 0, end_ = 0;
 };
 
-/// Simulates the frames. Throws Interrupted if an interrupt left fewer than `frames_to_replace` finished frames.
-RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
+/// Simulates the frames. Throws Interrupted if an interrupt left fewer than `min_frames_to_replace` finished frames.
+RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t min_frames_to_replace,
                            Progress& progress) {
   const HoldInterrupts hold;  // because results exist before their folder does
   try {
     RunResult result = run(frames, options);
-    if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
+    if (result.partial && result.frames.size() < min_frames_to_replace) throw Interrupted();
     return result;
   } catch (const Interrupted&) {
     progress.finish("interrupted");
@@ -262,10 +262,10 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
 }
 
 /// Which results to list on standard output.
-struct Announced {
+struct ListedResults {
   bool picture, timeline, reference;
 };
-void print_results(const sim::Json& json, const std::filesystem::path& folder, const Announced& has) {
+void print_results(const sim::Json& json, const std::filesystem::path& folder, const ListedResults& has) {
   fmt::print("{}\n", to_terminal_encoding(report_table(json)));
   if (has.picture) fmt::print("picture: {}\n", (folder / "image.png").string());
   if (has.timeline) fmt::print("timeline: {}\n", (folder / kTimelineFile).string());
@@ -297,7 +297,7 @@ void run_frames(const JobOptions& options) {
                         "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }
   progress.expect_parts(inputs.frames() * (frames.has_reference() ? 2 : 1) * frames.replicates());
-  const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
+  const std::size_t to_replace = min_frames_to_replace(folder.target() / "report.json");
   const bool has_picture = plan.sampling() == nullptr || plan.sampling()->full_image;
 
   sim::Json json;
@@ -310,7 +310,7 @@ void run_frames(const JobOptions& options) {
       trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
                     trace_header(inputs, options));
     }
-    const auto write_frame = [&](const PlayedFrame& played) {
+    const auto write_frame = [&](const SimulatedFrame& played) {
       progress.set_phase("writing the picture");
       write_pictures(
           open(),
@@ -319,7 +319,7 @@ void run_frames(const JobOptions& options) {
     };
     const RunResult result = run_or_interrupt(frames,
                                               {.progress = &progress,
-                                               .keep_part = !folder.holds_former_run(),
+                                               .keep_part = !folder.has_earlier_run(),
                                                .intervals = options.intervals,
                                                .itemised = true,
                                                .live = options.watch ? &live : nullptr,
@@ -336,7 +336,7 @@ void run_frames(const JobOptions& options) {
     write_reference(staging, {inputs, options}, result);
     if (trace && !result.partial) trace->commit();
     print_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
-    return result.kept_text(inputs.frames());
+    return result.finished_part_text(inputs.frames());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;

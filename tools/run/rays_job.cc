@@ -71,7 +71,7 @@ std::string rays_table(const Json& report) {
                        s["nominal"].get<double>(), s["high"].get<double>(), unit);
   };
   line("cycles (T&I clock)",
-       fmt::format("{}  = {} ms", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>())));
+       fmt::format("{}  = {} ms", count(t["cycles"]), sim::four_digit_text(t["time_ms"].get<double>())));
   line("rays", fmt::format("{}, {} hit", count(t["rays"]["total"]), count(t["rays"]["hits"])));
   line("ray rate", fmt::format("{:.4g} Mrays/s", t["perf"]["mrays_per_s"].get<double>()));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
@@ -126,16 +126,17 @@ void run_rays(const JobOptions& options) {
   refuse_frame_keys(inputs.config.frame);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   print_warnings(inputs.warnings, &progress);
-  hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
-    progress.set_tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
-    return !is_interrupted();
-  });
+  hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays,
+                         [&](const hw::RayProgress& so_far) {
+                           progress.set_tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
+                           return !is_interrupted();
+                         });
 
   Json json;
   folder.fill([&](const RunFolder::Open& open) {
     // only if the folder has no earlier result, which a partial result must not replace
     std::optional<HoldInterrupts> hold;
-    if (!folder.holds_former_run()) hold.emplace();
+    if (!folder.has_earlier_run()) hold.emplace();
     progress.expect_parts(1);
     progress.begin_part(
         "simulating", 0,
@@ -161,7 +162,7 @@ namespace {
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
 
 /// Returns why a ray is invalid; empty for a valid ray.
-std::string_view ray_problem(const traces::Ray& ray) {
+std::string_view invalid_ray_reason(const traces::Ray& ray) {
   const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
   if (!finite(ray.origin)) return "origin is not finite";
   if (!finite(ray.direction)) return "direction is not finite";
@@ -187,7 +188,7 @@ RayList read_ray_list(const std::filesystem::path& path) {
     std::array<float, 8> n{};
     std::memcpy(n.data(), bytes.data() + i * kRayBytes, kRayBytes);
     list.rays[i] = {{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]};
-    const std::string_view wrong = ray_problem(list.rays[i]);
+    const std::string_view wrong = invalid_ray_reason(list.rays[i]);
     if (!wrong.empty()) {
       throw sim::InputError(
           fmt::format("{}: ray {}: {}; allowed: finite numbers, a direction that is not zero, "

@@ -42,7 +42,7 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   own.caches = std::exchange(caches_, nullptr);
   FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
   caches_ = std::exchange(frame.caches, nullptr);
-  if (slices_ == 1) frame.sliced = as_single_slice(frame);
+  if (slices_ == 1) frame.sliced = to_single_slice(frame);
   return frame;
 }
 
@@ -63,7 +63,7 @@ double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult
 namespace {
 
 /// Simulates the current frame and its reference, and adds their results to `out`.
-void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) {
+void simulate_frame_with_reference(FrameSource& frames, const RunOptions& options, RunResult& out) {
   const Inputs& inputs = frames.inputs();
   const bool may_be_part = options.keep_part && out.frames.empty() && frames.has_whole_frames();
   std::optional<sim::Intervals> intervals;
@@ -112,7 +112,7 @@ RunResult run(FrameSource& frames, const RunOptions& options) {
   RunResult out;
   try {
     do {
-      play_frame(frames, options, out);
+      simulate_frame_with_reference(frames, options, out);
     } while (!out.partial && frames.advance_frame());
   } catch (const Interrupted&) {
     if (out.frames.empty()) throw;
@@ -131,13 +131,13 @@ sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progr
 namespace {
 
 /// An option that requires whole frames, and the reasons why it cannot be combined with sampling or with slices.
-struct OfWholeFrames {
+struct WholeFrameOption {
   const char* option;
   bool (*is_given)(const JobOptions& options);
   const char* why_not_sampled;
   const char* why_not_sliced;
 };
-constexpr std::array<OfWholeFrames, 5> kOfWholeFrames = {{
+constexpr std::array<WholeFrameOption, 5> kWholeFrameOptions = {{
     {"--reference", [](const JobOptions& o) { return !o.reference.empty(); }, "compare two runs of all tiles",
      "compare two runs with equal --slices"},
     {"--replicates", [](const JobOptions& o) { return o.replicates > 1; }, "replicates play all tiles",
@@ -150,8 +150,8 @@ constexpr std::array<OfWholeFrames, 5> kOfWholeFrames = {{
      "what a tile took is that of one machine"},
 }};
 
-void refuse_options_of_whole_frames(const JobOptions& options, const char* mode, const char* OfWholeFrames::*why) {
-  for (const OfWholeFrames& each : kOfWholeFrames) {
+void refuse_options_of_whole_frames(const JobOptions& options, const char* mode, const char* WholeFrameOption::*why) {
+  for (const WholeFrameOption& each : kWholeFrameOptions) {
     if (each.is_given(options))
       throw sim::InputError(fmt::format("{} does not go with {}: {}", mode, each.option, each.*why));
   }
@@ -164,7 +164,7 @@ RunPlan make_plan(const JobOptions& options) {
   const bool is_sampled = !options.tile_sampling.empty(), is_sliced = !options.slices.empty();
   if (is_sampled) {
     check_tile_sampling(plan.program);
-    refuse_options_of_whole_frames(options, "--tile-sampling", &OfWholeFrames::why_not_sampled);
+    refuse_options_of_whole_frames(options, "--tile-sampling", &WholeFrameOption::why_not_sampled);
     plan.how = parse_tile_sampling(options.tile_sampling, options.image);
   } else if (options.image != "full") {
     throw sim::InputError("--image none goes with --tile-sampling only");
@@ -175,7 +175,7 @@ RunPlan make_plan(const JobOptions& options) {
     if (is_sampled) {
       throw sim::InputError("--slices does not go with --tile-sampling: a sample of the tiles is not cut");
     }
-    refuse_options_of_whole_frames(options, "--slices", &OfWholeFrames::why_not_sliced);
+    refuse_options_of_whole_frames(options, "--slices", &WholeFrameOption::why_not_sliced);
     plan.how = Sliced{slices};
   }
   if (!is_sampled && !is_sliced) {
@@ -226,7 +226,7 @@ void RunResult::set_partial(const FrameResult& frame, std::uint32_t replicates, 
   partial = frame.is_part() || !missing.empty();
 }
 
-std::string RunResult::kept_text(std::size_t all) const {
+std::string RunResult::finished_part_text(std::size_t all) const {
   if (total->is_part()) {
     return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
                        frames.front()["frame"].get<std::uint32_t>());
@@ -235,7 +235,7 @@ std::string RunResult::kept_text(std::size_t all) const {
   return missing.empty() ? "the whole run" : "the run without " + missing;
 }
 
-std::size_t frames_to_replace(const std::filesystem::path& file) {
+std::size_t min_frames_to_replace(const std::filesystem::path& file) {
   try {
     const auto former = sim::parse_json(sim::read_file(file, kLargestReport));
     if (!former.at("schema").get<std::string>().starts_with("raywatt-")) return 1;

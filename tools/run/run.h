@@ -65,12 +65,12 @@ struct RunResult {
   /// its reference.
   void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
   /// Returns a text on how much of the run, which has `all` frames, was finished before an interrupt.
-  std::string kept_text(std::size_t all) const;
+  std::string finished_part_text(std::size_t all) const;
 };
 
 /// Returns the number of finished frames with which an interrupted run may replace an earlier result: that of a partial
 /// result, one more than that of a complete one, or 1 if there is none. `file`: report.json or verify.json.
-std::size_t frames_to_replace(const std::filesystem::path& file);
+std::size_t min_frames_to_replace(const std::filesystem::path& file);
 
 /// Prints the `warnings` of a report to stderr, except the first `already_printed`, which were printed before.
 void print_warnings(const sim::Json& report, std::size_t already_printed);
@@ -151,7 +151,7 @@ class RenderedFrames final : public PosedFrames {
 };
 
 /// A finished frame, before it is added to the run's result.
-struct PlayedFrame {
+struct SimulatedFrame {
   const Inputs& inputs;
   const FrameResult& frame;
   const FrameResult* reference = nullptr;
@@ -168,7 +168,7 @@ struct RunOptions {
   RunWatcher* live = nullptr;
   TimelineJob* timeline = nullptr;       ///< records a timeline of the first frame; null: none
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the executed work; null: none
-  std::function<void(const PlayedFrame&)> on_frame = {};
+  std::function<void(const SimulatedFrame&)> on_frame = {};
 };
 
 /// Simulates all frames of a source. After an interrupt the result is marked partial and contains the finished frames,

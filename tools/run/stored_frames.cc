@@ -35,7 +35,7 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
 }
 
 /// Sets those parts of a memory image that the machine needs from a recorded BVH.
-void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
+void fill_recorded_bvh(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
   const bool has_two_levels = !scope.links.roots.empty();
   if (has_two_levels && config.instances == traces::InstanceLevels::kFlatten) {
     throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
@@ -90,12 +90,12 @@ StoredFrames::StoredFrames(const std::filesystem::path& file,
     : trace_(file), threads_(threads), replicates_(replicates) {
   const std::string name = sim::printable(file.string());
   try {
-    trace_.naming_file([&] { check_header(trace_.header()); });
+    trace_.call_with_file_name([&] { check_header(trace_.header()); });
     inputs_.config = config(trace_.header(), name);
   } catch (const sim::JsonError& error) {
     throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
   }
-  trace_.naming_file([&] {
+  trace_.call_with_file_name([&] {
     const traces::Json& header = trace_.header();
     program_ = kernels::parse_program(header.at("program").get<std::string>());
     const std::string reference = header.at("reference").get<std::string>();
@@ -116,7 +116,7 @@ StoredFrames::StoredFrames(const std::filesystem::path& file,
 
 void StoredFrames::read_frame(std::size_t index) {
   index_ = index;
-  trace_.naming_file([&] {
+  trace_.call_with_file_name([&] {
     const traces::Json& frame = trace_.frames()[index];
     squared_error_ = frame.at("squared_error").get<double>();
     if (!(squared_error_ >= 0 && squared_error_ < 4)) throw sim::InputError("squared_error is out of range");
@@ -131,7 +131,7 @@ bool StoredFrames::advance_frame() {
 }
 
 const Part& StoredFrames::find_part(bool reference) const {
-  return trace_.naming_file([&]() -> const Part& {
+  return trace_.call_with_file_name([&]() -> const Part& {
     const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
       return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
     });
@@ -144,9 +144,9 @@ void StoredFrames::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
     scope_ = trace_.tile_scope(part, static_cast<std::uint32_t>(kernels_.size()));
-    trace_.naming_file([&] { place_tree(scope_, inputs_.config.bvh, inputs_.image); });
+    trace_.call_with_file_name([&] { fill_recorded_bvh(scope_, inputs_.config.bvh, inputs_.image); });
     inputs_.stored_triangles = scope_.counts.triangles;
-    inputs_.parents = traces::parents_of(inputs_.image);
+    inputs_.parents = traces::parent_indices(inputs_.image);
     tree_ = part.tree;
   }
   scope_.region_bytes = part.requirements.region_bytes;
@@ -171,8 +171,8 @@ double StoredFrames::estimate_seconds() {
   return inputs_.load_seconds + host_seconds_of_frame(steps, rate, parallelism);
 }
 
-FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program,
-                                    const SimulateOptions& extras, Caches& caches) {
+FrameResult StoredFrames::simulate_part(const Part& part, const kernels::ProgramSpec& program,
+                                        const SimulateOptions& extras, Caches& caches) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
   SimulateOptions own = extras;
@@ -183,11 +183,11 @@ FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec
 }
 
 FrameResult StoredFrames::simulate(const SimulateOptions& extras) {
-  return play_part(find_part(false), program_, extras, caches_);
+  return simulate_part(find_part(false), program_, extras, caches_);
 }
 
 FrameResult StoredFrames::simulate_reference(const SimulateOptions& extras) {
-  return play_part(find_part(true), *reference_, extras, reference_caches_);
+  return simulate_part(find_part(true), *reference_, extras, reference_caches_);
 }
 
 double StoredFrames::squared_error(const FrameResult&, const FrameResult&) const { return squared_error_; }

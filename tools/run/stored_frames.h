@@ -45,8 +45,8 @@ class StoredFrames final : public FrameSource {
   using Caches = std::shared_ptr<const hw::CacheContents>;
   const traces::TraceReader::Part& find_part(bool reference) const;
   /// Simulates a part of the trace. `caches`: contents of the caches at its start; replaced by those at its end.
-  FrameResult play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
-                        const SimulateOptions& extras, Caches& caches);
+  FrameResult simulate_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
+                            const SimulateOptions& extras, Caches& caches);
   void load_tree(const traces::TraceReader::Part& part);
 
   traces::TraceReader trace_;

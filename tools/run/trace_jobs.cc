@@ -41,7 +41,7 @@ struct Recorder {
 
 /// Removes counts of adaptive sampling from the report of a partial frame, because a trace has them only for whole
 /// frames.
-void leave_out_sampling(sim::Json& report) {
+void remove_sampling_counts(sim::Json& report) {
   for (sim::Json* totals : {&report["totals"], &report["frames"].front()}) {
     totals->erase("traced_ratio");
     (*totals)["rays"].erase("continued");
@@ -99,12 +99,12 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   print_warnings(frames.inputs().warnings, &progress);
   if (progress.shows_hints()) print_duration_hint(frames.estimate_seconds(), {}, progress);
   progress.expect_parts(frames.frame_count() * (frames.has_reference() ? 2 : 1));
-  const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
+  const std::size_t to_replace = min_frames_to_replace(folder.target() / "report.json");
   hold.emplace();
   sim::Json json;
   folder.fill([&](const RunFolder::Open& open) {
     const RunResult result = run(frames, {.progress = &progress,
-                                          .keep_part = !folder.holds_former_run(),
+                                          .keep_part = !folder.has_earlier_run(),
                                           .intervals = options.intervals,
                                           .itemised = true,
                                           .timeline = &timeline});
@@ -112,12 +112,12 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     if (result.partial && result.frames.size() < to_replace) throw Interrupted();
     const double wall = sim::seconds_since(begin);
     json = report_json({frames.inputs(), options, result.report_totals(), result.frames, result.partial, wall});
-    if (result.total->is_part()) leave_out_sampling(json);
+    if (result.total->is_part()) remove_sampling_counts(json);
     timeline.write_file(open(), json);
     write_report(open(), json, frames.inputs().config, result);
     write_reference(open(), {frames.inputs(), options}, result);
     print_warnings(json, frames.inputs().warnings.size());  // before a pending interrupt ends the process
-    return result.kept_text(frames.frame_count());
+    return result.finished_part_text(frames.frame_count());
   });
   hold.reset();
   if (options.quiet) return;

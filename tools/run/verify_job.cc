@@ -110,7 +110,7 @@ int verify_frames(const JobOptions& options) {
   if (progress.shows_hints())
     print_duration_hint(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
   progress.expect_parts(2 * inputs.frames());
-  const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
+  const std::size_t to_replace = min_frames_to_replace(folder.target() / "verify.json");
   Verification done;
   folder.fill([&](const RunFolder::Open& open) {
     done.verify_all(inputs, options, progress, open);

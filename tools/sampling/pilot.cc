@@ -19,13 +19,13 @@ namespace {
 /// divides the side of a tile.
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
 /// Candidate sides of the square for estimate_costs(), which needs less precision than the pilot render.
-constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
+constexpr std::array kEstimateSides = {8U, 4U, 5U, 3U, 2U, 1U};
 /// Host time of a reflected or refracted ray in addition to its traversal, in traversal steps (docs/slices.md).
 constexpr std::uint64_t kStepsOfARay = 15;
 
 /// Returns the program of the pilot render: one sample per square, and the same number of tiles as the frame.
-kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
-                                  std::span<const std::uint32_t> sides, double& thinning) {
+kernels::FullProgram pilot_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
+                                   std::span<const std::uint32_t> sides, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   const std::uint32_t side = tile_side(render, spec);
@@ -50,7 +50,7 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
                    std::uint32_t threads, Progress* progress) {
   if (progress != nullptr) progress->set_phase("looking at all tiles");
   Pilot pilot;
-  kernels::FullProgram program = thin_program(inputs, spec, kSides, pilot.thinning);
+  kernels::FullProgram program = pilot_program(inputs, spec, kSides, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     kernels.push_back(hw::schedule_kernel(kernel.graph, inputs.config.gpu->srp));
@@ -68,7 +68,7 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
     if (is_interrupted()) throw Interrupted{};
     pilot.traits.push_back(tile_pilot.measure_tile(*work));
     pilot.costs.push_back(tile_pilot.estimate_cost(pilot.traits.back()));
-    front_end.give_back(work);
+    front_end.release_work(work);
   }
   pilot.rendered = front_end.result();
   return pilot;
@@ -77,14 +77,14 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
 std::vector<double> estimate_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                                    std::uint32_t threads) {
   double thinning = 0;
-  kernels::FullProgram program = thin_program(inputs, spec, kGuessSides, thinning);
+  kernels::FullProgram program = pilot_program(inputs, spec, kEstimateSides, thinning);
   FrontEnd front_end(program, tracer, host_threads(threads) - 1);
   const RenderResult& function = front_end.result();
   std::vector<double> costs;
   double before = 0;
   while (const traces::TileWork* work = front_end.next()) {
     if (is_interrupted()) throw Interrupted{};
-    front_end.give_back(work);
+    front_end.release_work(work);
     const std::uint64_t sent_on = function.rays[static_cast<std::size_t>(traces::RayKind::kReflection)] +
                                   function.rays[static_cast<std::size_t>(traces::RayKind::kRefraction)];
     const double all = static_cast<double>(function.traversal_steps + kStepsOfARay * sent_on);
@@ -143,7 +143,7 @@ TileTraits TilePilot::measure_tile(const traces::TileWork& work) {
   std::uint64_t visits = 0, l1_misses = 0, data_misses = 0, l2_misses = 0;
   const auto second_level = [&](hw::Addr line) { l2_misses += !access_line(l2_, line); };
   const std::size_t trvs = core.trvs.size();
-  hw::for_each_line(
+  hw::for_each_line_of_tile(
       work, layout_,
       [&](std::uint32_t ray, hw::Addr line) {
         visits += 1;

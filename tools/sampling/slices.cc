@@ -50,7 +50,7 @@ class SharedFrame {
   }
   /// Returns the results of rendering. Call it after all threads have finished.
   RenderResult take_result() {
-    result_.rgb = program_.take_picture();
+    result_.rgb = program_.move_picture_out();
     result_.sampling = program_.sampling();
     return std::move(result_);
   }
@@ -85,10 +85,10 @@ class SliceProgram final : public kernels::FrameProgram {
 };
 
 /// Simulates slices of a frame, each on a machine of its own.
-class SlicePlayer {
+class SliceSimulator {
  public:
   /// `frame`: program of the frame. `inputs` must outlive the player.
-  SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& frame)
+  SliceSimulator(const Inputs& inputs, const kernels::FrameProgram& frame)
       : inputs_(inputs),
         requirements_(frame.requirements()),
         tiles_(frame.tiles()),
@@ -102,7 +102,7 @@ class SlicePlayer {
 
   /// Simulates one slice. Thread-safe for different slices. `workers`: threads that render ahead. Throws sim::Deadlock,
   /// Interrupted.
-  PlayedSlice run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
+  SliceResult run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
                         std::uint32_t workers) const {
     const double begin = sim::thread_seconds();
     SliceProgram program(frame, slice);
@@ -125,11 +125,11 @@ class SlicePlayer {
     }
     run_to_end(*gpu);
 
-    PlayedSlice played;
+    SliceResult played;
     played.slice = slice;
-    played.own = is_last ? MachineSpan(*gpu) : MachineSpan(tiles.mark_at(slice.end));
+    played.own = is_last ? MachineSpan(*gpu) : MachineSpan(tiles.snapshot_at(slice.end));
     if (slice.first != 0) {
-      played.own.subtract_mark(tiles.mark_at(slice.first));
+      played.own.subtract_mark(tiles.snapshot_at(slice.first));
       played.before = measure_probe(tiles, slice.first);
     }
     if (!is_last) played.after = measure_probe(tiles, slice.end);
@@ -149,8 +149,8 @@ class SlicePlayer {
     return make_gpu(inputs_, inputs_.config, requirements_, tiles, {}, {}, scheduled_);
   }
   Probe measure_probe(const TimedTiles& tiles, std::uint32_t border) const {
-    MachineSpan stretch(tiles.mark_at(border));
-    stretch.subtract_mark(tiles.mark_at(border - shape_.probe));
+    MachineSpan stretch(tiles.snapshot_at(border));
+    stretch.subtract_mark(tiles.snapshot_at(border - shape_.probe));
     return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
   }
 
@@ -166,10 +166,10 @@ class SlicePlayer {
 constexpr std::uint32_t kTilesOfALead = 10;
 
 /// Simulates all slices, `threads` at a time. Threads in excess of the number of slices render ahead.
-std::vector<PlayedSlice> run_all_slices(const SlicePlayer& player, SharedFrame& frame, const traces::Tracer& tracer,
+std::vector<SliceResult> run_all_slices(const SliceSimulator& player, SharedFrame& frame, const traces::Tracer& tracer,
                                         std::span<const Slice> slices, std::uint32_t threads) {
   const std::uint32_t at_once = std::min(threads, static_cast<std::uint32_t>(slices.size()));
-  std::vector<PlayedSlice> played(slices.size());
+  std::vector<SliceResult> played(slices.size());
   parallel_for(slices.size(), at_once, [&](std::size_t i, std::size_t thread) {
     const std::uint32_t workers = threads / at_once - 1 + (thread < threads % at_once ? 1 : 0);
     played[i] = player.run_slice(frame, tracer, slices[i], workers);
@@ -202,7 +202,7 @@ struct SlicedProgram {
 
   const traces::BvhTracer tracer;
   kernels::FullProgram program;
-  const SlicePlayer player;
+  const SliceSimulator player;
   const std::vector<Slice> plan;
 };
 
@@ -252,7 +252,7 @@ void scale_counts(MachineSpan& all, double factor) {
 
 /// Adds times and counters of all slices to the first slice. Returns the half-widths of the errors of time and energy,
 /// combined over all borders.
-Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
+Probe sum_slice_spans(std::vector<SliceResult>& played, std::uint32_t probe) {
   Probe error;
   const auto add_error = [probe](double& sum, double filled, double under_way) {
     sum = std::hypot(sum, filled - under_way, kBorderError * under_way / probe);
@@ -267,8 +267,8 @@ Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
 
 /// Adds up times and counters of all slices of a frame. Derives confidence intervals from the differences at their
 /// borders (docs/slices.md). `function`: picture and ray counts of the frame.
-FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
-                       std::vector<PlayedSlice> played) {
+FrameResult sum_slices(const SliceSimulator& player, const kernels::ProgramSpec& program, RenderResult function,
+                       std::vector<SliceResult> played) {
   const RunConfig& config = player.inputs().config;
   FrameResult s;
   s.program = program;
@@ -279,14 +279,14 @@ FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& pr
   SlicedFrame& sliced = s.sliced.emplace();
   sliced.slices = static_cast<std::uint32_t>(played.size());
   sliced.tiles = player.tile_count();
-  for (const PlayedSlice& one : played) {
+  for (const SliceResult& one : played) {
     sliced.again += one.slice.lead;
     sliced.warmed += one.slice.warming;
     sliced.seconds.push_back(one.seconds);
     sliced.timing_seconds += one.timing_seconds;
   }
 
-  const Probe error = add_all(played, player.plan_shape().probe);
+  const Probe error = sum_slice_spans(played, player.plan_shape().probe);
   MachineSpan& all = played.front().own;
   if (played.size() > 1) scale_counts(all, work_ratio(s.rendered, Work(all.units)));
   const sim::Clock clock = config.gpu->clocks.tni.clock();
@@ -340,7 +340,7 @@ FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pr
   SlicedProgram cut(inputs, program, threads, slices);
   if (progress != nullptr) progress->begin_part("simulating", inputs.frame, cut.program.tiles());
   SharedFrame frame(cut.program, progress);
-  std::vector<PlayedSlice> played = run_all_slices(cut.player, frame, cut.tracer, cut.plan, threads);
+  std::vector<SliceResult> played = run_all_slices(cut.player, frame, cut.tracer, cut.plan, threads);
   FrameResult s = sum_slices(cut.player, program, frame.take_result(), std::move(played));
   s.wall_seconds = sim::seconds_since(begin);
   return s;
@@ -360,9 +360,9 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
 }
 
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices) {
-  const SlicePlayer player(inputs, full_program(inputs, program));
+  const SliceSimulator player(inputs, full_program(inputs, program));
   const MachineSpan nothing = player.initial_state();
-  std::vector<PlayedSlice> played;
+  std::vector<SliceResult> played;
   RenderResult function;
   double wall_seconds = 0;
   std::uint32_t next = 0;
@@ -389,7 +389,7 @@ FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& progra
   return s;
 }
 
-SlicedFrame as_single_slice(const FrameResult& s) {
+SlicedFrame to_single_slice(const FrameResult& s) {
   return {.tiles = s.tiles,
           .cycles = {static_cast<double>(s.cycles), 0, 0},
           .energy_pj = {s.energy.total_pj.nominal, 0, 0},
@@ -501,7 +501,7 @@ void read_function(const Json& json, RenderResult& function) {
 }  // namespace
 
 Json slice_json(const SlicePart& part) {
-  const PlayedSlice& played = part.played;
+  const SliceResult& played = part.played;
   const RenderResult& function = part.rendered;
   Json units = Json::array(), kernels = Json::array();
   for (const sim::UnitReport& unit : played.own.units) units.push_back(unit_json(unit));
@@ -528,7 +528,7 @@ Json slice_json(const SlicePart& part) {
 SlicePart read_slice(const Json& json, MachineSpan initial_state) {
   try {
     SlicePart part;
-    PlayedSlice& played = part.played;
+    SliceResult& played = part.played;
     read_counts(kSliceTiles, json.at("tiles"), played.slice);
     played.own = std::move(initial_state);
     read_span(json, played.own);

@@ -36,7 +36,7 @@ struct Probe {
 };
 
 /// Results of one slice.
-struct PlayedSlice {
+struct SliceResult {
   Slice slice;
   MachineSpan own;
   /// Probe tiles at the end of the lead, and those at the end of the slice; 0 at the start and end of the frame.
@@ -47,7 +47,7 @@ struct PlayedSlice {
 
 /// Results of one slice that was simulated in a process of its own.
 struct SlicePart {
-  PlayedSlice played;
+  SliceResult played;
   RenderResult rendered;
   double wall_seconds = 0;  ///< elapsed host time
 };
@@ -86,6 +86,6 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Describes a frame that was simulated as a whole as a frame with one slice.
-SlicedFrame as_single_slice(const FrameResult& s);
+SlicedFrame to_single_slice(const FrameResult& s);
 
 }  // namespace tools

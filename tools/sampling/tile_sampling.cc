@@ -94,7 +94,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   source.set_gpu(*gpu);
   if (warm) warm(*gpu);
   run_to_end(*gpu);
-  tiles.end_tiles();
+  tiles.finish_tile_times();
 
   SampledRun run;
   run.units = gpu->unit_reports();
@@ -108,8 +108,8 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   const Mark finished{0, gpu->elapsed_time(), gpu->unit_reports(), gpu->kernel_use()};
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const bool is_last = i + 1 == blocks.size();
-    const Mark &begin = tiles.mark_at(blocks[i].measured),
-               &end = is_last ? finished : tiles.mark_at(blocks[i + 1].first);
+    const Mark &begin = tiles.snapshot_at(blocks[i].measured),
+               &end = is_last ? finished : tiles.snapshot_at(blocks[i + 1].first);
     MeasuredPart part = difference_of(begin, end);
     part.traits = traits_of(part, begin.time, end.time, tiles, traits, run.kernels);
     if (i == 0) {
@@ -264,7 +264,7 @@ std::vector<std::uint32_t> tile_indices_of(std::span<const TimedBlock> blocks) {
   return tile_indices;
 }
 
-SamplePart as_sample(const TileTraits& traits, double cost) {
+SamplePart to_sample_part(const TileTraits& traits, double cost) {
   SamplePart part{cost, {}};
   for (const auto member : TileTraits::kAll) part.traits.push_back(traits.*member);
   return part;
@@ -313,14 +313,14 @@ Estimates estimate_frame(const Inputs& inputs, const Pilot& pilot, const TilePla
   for (const SampledRun& run : runs) {
     for (const MeasuredPart& part : run.parts) {
       parts.push_back(&part);
-      samples.push_back(as_sample(part.traits, measure.estimate_cost(part.traits)));
+      samples.push_back(to_sample_part(part.traits, measure.estimate_cost(part.traits)));
       times.push_back(static_cast<double>(part.time));
       energies.push_back(energy_of(part.units, part.time, inputs.config).total_pj.nominal);
     }
   }
   TileTraits rest;
   for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
-  const SampleWeights weights(samples, as_sample(rest, measure.estimate_cost(rest)), kRidge);
+  const SampleWeights weights(samples, to_sample_part(rest, measure.estimate_cost(rest)), kRidge);
   Estimates e;
   e.whole = weighted_sum(parts, weights.part_weights(), runs.front());
   e.time = interval_around(static_cast<double>(e.whole.time), weights, times);
@@ -337,7 +337,7 @@ void copy_counts(const RenderResult& from, RenderResult& to) {
 
 /// Returns the lengths of blocks for a machine. The measured part of a block has as many tiles as the machine has in
 /// flight, at least 12.
-PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
+PlanShape choose_block_lengths(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
   shape.edge = 2 * in_flight;
@@ -347,7 +347,7 @@ PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   return shape;
 }
 
-void count_round(const SampledRun& run, SampledFrame& sampled) {
+void add_round_counts(const SampledRun& run, SampledFrame& sampled) {
   sampled.rounds += 1;
   sampled.timed += run.timed;
   sampled.warmed += run.warmed;
@@ -358,7 +358,7 @@ void count_round(const SampledRun& run, SampledFrame& sampled) {
 
 /// Returns the share of the frame's work to simulate in the next round if confidence intervals are `off` times too
 /// wide. It is at most twice the share `spent` so far, because `off` is a rough estimate.
-double next_share(double spent, double off) {
+double next_round_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;
 }
@@ -425,7 +425,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = survey_tiles(inputs, program, tracer, threads, progress);
   const std::uint32_t side = tile_side(inputs.config.render, program);
-  const PlanShape shape = shape_of(*inputs.config.gpu, side * side);
+  const PlanShape shape = choose_block_lengths(*inputs.config.gpu, side * side);
 
   FrameResult s;
   s.program = program;
@@ -459,7 +459,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
     const RenderResult& function = front_end.result();
     waited += function.waited;
     functional += function.seconds;
-    count_round(run, sampled);
+    add_round_counts(run, sampled);
     if (picture) s.rendered = function;
     if (plan.all) {
       if (!sampling.full_image) copy_counts(function, s.rendered);
@@ -472,7 +472,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
     spent += share;
     const double off = estimates.relative_width() / sampling.target;
     if (sampling.target == 0 || off <= 1) break;
-    share = next_share(spent, off);
+    share = next_round_share(spent, off);
   }
   reported.report_to(progress);
   s.rendered.waited = waited;

@@ -28,10 +28,10 @@ const traces::TileWork* TimedTiles::next() {
     if (work->tile + block.warming >= block.first) {
       for_warming_.push_back(work);
     } else {
-      source_.give_back(work);
+      source_.release_work(work);
     }
   }
-  while (const traces::TileWork* work = take_tile()) source_.give_back(work);
+  while (const traces::TileWork* work = take_tile()) source_.release_work(work);
   return nullptr;
 }
 
@@ -42,9 +42,9 @@ const traces::TileWork* TimedTiles::take_tile() {
   return work;
 }
 
-void TimedTiles::give_back(const traces::TileWork* work) {
+void TimedTiles::release_work(const traces::TileWork* work) {
   back_.push_back(work->tile);
-  source_.give_back(work);
+  source_.release_work(work);
 }
 
 void TimedTiles::note_dispatched(sim::Time now) {
@@ -70,20 +70,20 @@ void TimedTiles::warm_caches() {
   for (const traces::TileWork* work : for_warming_) {
     gpu_->warm_caches(*work, core);
     core = core + 1 == gpu_->core_count() ? 0 : core + 1;
-    source_.give_back(work);
+    source_.release_work(work);
   }
   warmed_ += for_warming_.size();
   for_warming_.clear();
   warming_seconds_ += sim::seconds_since(begin);
 }
 
-void TimedTiles::end_tiles() {
+void TimedTiles::finish_tile_times() {
   for (TimedTile& tile : simulated_) {
     if (tile.end == tile.begin) tile.end = gpu_->elapsed_time();
   }
 }
 
-const Mark& TimedTiles::mark_at(std::uint32_t tile) const { return *std::ranges::find(marks_, tile, &Mark::tile); }
+const Mark& TimedTiles::snapshot_at(std::uint32_t tile) const { return *std::ranges::find(marks_, tile, &Mark::tile); }
 
 namespace {
 
@@ -123,7 +123,7 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
     before.push_back(std::accumulate(measured.begin(), measured.end(), before.back()));
   }
   for (std::uint32_t k = 0; k < count; ++k) {
-    const double at = before.back() * (k + static_cast<double>(sim::unit_float(sim::hash(seed, k)))) / count;
+    const double at = before.back() * (k + static_cast<double>(sim::hash_to_unit_float(sim::hash(seed, k)))) / count;
     const auto found = std::ranges::upper_bound(before, at) - before.begin() - 1 + plan.begin;
     const std::uint32_t free = plan.blocks.back().end;
     const std::uint32_t first = std::max(free, static_cast<std::uint32_t>(found));

@@ -45,13 +45,13 @@ class TimedTiles final : public hw::TileSource {
   void set_gpu(hw::Gpu& gpu) { gpu_ = &gpu; }
 
   const traces::TileWork* next() override;
-  void give_back(const traces::TileWork* work) override;
+  void release_work(const traces::TileWork* work) override;
   void note_dispatched(sim::Time now) override;
   /// Sets the end of tiles still in flight. Call once, after the machine has finished.
-  void end_tiles();
+  void finish_tile_times();
 
   /// Returns the time and counters recorded at the dispatch of a marked tile.
-  const Mark& mark_at(std::uint32_t tile) const;
+  const Mark& snapshot_at(std::uint32_t tile) const;
   const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
   std::uint64_t warmed_tiles() const { return warmed_; }
   /// Returns the host seconds for warming caches, or the CPU seconds for executing tiles on the machine's thread.

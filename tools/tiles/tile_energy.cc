@@ -23,7 +23,8 @@
 
 namespace tools {
 
-Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core) {
+TileTimeShares tile_time_shares(std::span<const hw::TileAccount> tiles, sim::Time elapsed,
+                                std::optional<std::uint32_t> core) {
   struct Event {
     sim::Time at;
     std::size_t tile;
@@ -36,7 +37,7 @@ Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed
     events.push_back({tiles[i].finished, i, false});
   }
   std::ranges::stable_sort(events, {}, &Event::at);
-  Residence shares{std::vector<double>(tiles.size()), 0};
+  TileTimeShares shares{std::vector<double>(tiles.size()), 0};
   const auto whole = static_cast<double>(elapsed);
   // Cumulative time of a tile that was present from the start; a tile's own time is the difference of two such values.
   double reached = 0;
@@ -88,19 +89,19 @@ enum Kind : std::size_t {
 };
 
 /// Calls f(value, name) for each counter of a shader core.
-void each_counter(const hw::SrpStats& stats, auto&& f) {
+void for_each_counter(const hw::SrpStats& stats, auto&& f) {
   hw::SrpStats::describe(stats, [&](const std::uint64_t& value, const char* name, auto&&...) { f(value, name); });
 }
 
 std::size_t srp_counters() {
   std::size_t count = 0;
-  each_counter({}, [&](auto&&...) { count += 1; });
+  for_each_counter({}, [&](auto&&...) { count += 1; });
   return count;
 }
 
 std::size_t srp_counter(std::string_view wanted) {
   std::size_t count = 0, found = 0;
-  each_counter({}, [&](std::uint64_t, std::string_view name) {
+  for_each_counter({}, [&](std::uint64_t, std::string_view name) {
     if (name == wanted) found = count;
     count += 1;
   });
@@ -150,7 +151,7 @@ const std::vector<Rule>& special_rules() {
 }
 
 /// Returns the kind of work for the energy of those counters of a unit that special_rules() does not list; none: time.
-std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
+std::optional<Kind> default_kind_of_work(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::RayDispatcher)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;
   if (unit.type == typeid(hw::Ist)) return kTests;
@@ -208,7 +209,7 @@ class TileWeights {
     const auto found = std::ranges::find_if(special_rules(), is_it);
     if (found != special_rules().end()) return found->kind;
     if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
-    return usual_kind(unit);
+    return default_kind_of_work(unit);
   }
 
  private:
@@ -242,7 +243,8 @@ class TileWeights {
       hw::SrpStats one;
       one.add_loop(kernel, 1, 1);
       item.emplace_back();
-      each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
+      for_each_counter(one,
+                       [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
     }
     std::size_t next = 0;
     for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
@@ -285,9 +287,9 @@ class Shared {
       : s_(s), weights_(weights), core_(core), counted_(weights.kind_count()) {}
 
   void add(std::size_t weight, const sim::Band& pj) { counted_[weight] += pj; }
-  void add_standing(const sim::Band& pj) { standing_ += pj; }
+  void add_time_dependent(const sim::Band& pj) { standing_ += pj; }
 
-  void share_out(TileEnergy& energy) const {
+  void distribute_energy(TileEnergy& energy) const {
     for (std::size_t w = 0; w < counted_.size(); ++w) {
       if (counted_[w].high == 0) continue;
       const double all = weights_.sum_of(w, core_);
@@ -299,7 +301,7 @@ class Shared {
       for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.tile_weight(tile, w); });
       if (!core_) energy.rest += each * weights_.weight_without_tile(w);
     }
-    const Residence present = residence_of(s_.tile_accounts, s_.elapsed, core_);
+    const TileTimeShares present = tile_time_shares(s_.tile_accounts, s_.elapsed, core_);
     for_tiles([&](std::size_t tile) { energy.tiles[tile] += standing_ * present.tiles[tile]; });
     energy.rest += standing_ * present.rest;
   }
@@ -332,17 +334,17 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
   for (std::size_t u = 0; u < units.size(); ++u) {
     const std::optional<std::uint32_t> core = core_of(s.units[u].path);
     Shared& shared = core ? of_cores[*core] : of_all;
-    shared.add_standing(units[u].idle);
+    shared.add_time_dependent(units[u].idle);
     std::size_t event = 0;
     for (const sim::CounterReport& counter : s.units[u].counters) {
       if (counter.event.empty()) continue;
       const sim::Band& pj = units[u].events[event++];
       const std::optional<std::size_t> weight = TileWeights::kind_of_counter(s.units[u], counter.name);
-      weight ? shared.add(*weight, pj) : shared.add_standing(pj);
+      weight ? shared.add(*weight, pj) : shared.add_time_dependent(pj);
     }
   }
-  for (const Shared& shared : of_cores) shared.share_out(energy);
-  of_all.share_out(energy);
+  for (const Shared& shared : of_cores) shared.distribute_energy(energy);
+  of_all.distribute_energy(energy);
   return energy;
 }
 
@@ -352,7 +354,7 @@ namespace {
 constexpr double kMillijoulesPerPicojoule = 1e-9;
 
 /// Returns the number that gives exactly `whole` when it is added to `sum`, in spite of rounding.
-double missing_to(double whole, double sum) {
+double exact_difference_to(double whole, double sum) {
   double rest = whole - sum;
   while (sum + rest < whole) rest = std::nextafter(rest, INFINITY);
   while (sum + rest > whole) rest = std::nextafter(rest, -INFINITY);
@@ -366,9 +368,9 @@ class Builder {
   }
 
   TileFrame build_frame() {
-    add_firsts();
+    add_position_columns();
     add_times();
-    add_function();
+    add_work_columns();
     add_memory();
     add_energy();
     return std::move(frame_);
@@ -394,7 +396,7 @@ class Builder {
   const kernels::TileSummary& summary_of(std::size_t i) const { return s_.rendered.summaries.tiles[i]; }
   const hw::TileAccount& account_of(std::size_t i) const { return s_.tile_accounts[i]; }
 
-  void add_firsts() {
+  void add_position_columns() {
     std::uint32_t pass = 0;
     add("tile", "", [&](std::size_t i) { return summary_of(i).tile; });
     add("pass", "", [&](std::size_t i) { return pass += summary_of(i).begins_pass ? 1U : 0U; });
@@ -429,7 +431,7 @@ class Builder {
     add_sum("srp_cycles", "SRP cycles", static_cast<double>(s_.rest.srp_cycles),
             [&](std::size_t i) { return account_of(i).srp_cycles; });
   }
-  void add_function() {
+  void add_work_columns() {
     constexpr std::array kKinds = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
     static_assert(kKinds.size() == static_cast<std::size_t>(traces::RayKind::kCount));
     for (std::size_t k = 0; k < kKinds.size(); ++k) {
@@ -453,7 +455,7 @@ class Builder {
       add_sum(name, "mJ", 0, [&](std::size_t i) { return energy.tiles[i].*side * kMillijoulesPerPicojoule; });
       TileColumn& column = frame_.columns.back();
       const double whole = s_.energy.total_pj.*side * kMillijoulesPerPicojoule;
-      column.rest = missing_to(whole, column.total);
+      column.rest = exact_difference_to(whole, column.total);
       column.total = whole;
     };
     add_side("energy_mj_low", &sim::Band::low);

@@ -14,11 +14,12 @@ namespace tools {
 
 /// Share of each tile in a frame's time. At any time, the tiles in flight on a core (on any core, if none is given)
 /// share the time equally. The rest is time without tiles in flight.
-struct Residence {
+struct TileTimeShares {
   std::vector<double> tiles;  ///< share of each tile; 0 for tiles of other cores
   double rest = 0;
 };
-Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);
+TileTimeShares tile_time_shares(std::span<const hw::TileAccount> tiles, sim::Time elapsed,
+                                std::optional<std::uint32_t> core);
 
 /// Energy of a frame by tile, in pJ.
 struct TileEnergy {

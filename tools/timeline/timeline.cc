@@ -46,7 +46,7 @@ std::vector<std::uint32_t> parse_numbers(std::string_view text, std::size_t coun
 }
 
 /// Returns the rest of `text` after its prefix `word`; none if `text` does not begin with it.
-std::optional<std::string_view> text_after(std::string_view text, std::string_view word) {
+std::optional<std::string_view> text_after_prefix(std::string_view text, std::string_view word) {
   if (!text.starts_with(word)) return {};
   return text.substr(word.size());
 }
@@ -76,14 +76,14 @@ std::vector<std::size_t> slowest_rows(const TileFrame& tiles, std::size_t count)
 TimelineSelection parse_timeline(const std::string& text) {
   using Kind = TimelineSelection::Kind;
   if (text == "all") return {};
-  if (const auto count = text_after(text, "slowest:")) {
+  if (const auto count = text_after_prefix(text, "slowest:")) {
     const std::vector<std::uint32_t> n = parse_numbers(*count, 1);
     if (!n.empty() && n[0] > 0) return {Kind::kSlowest, n[0], 0, 0};
   }
-  if (const auto position = text_after(text, "tile:")) {
+  if (const auto position = text_after_prefix(text, "tile:")) {
     if (const auto n = parse_numbers(*position, 2); !n.empty()) return {Kind::kTile, 0, n[0], n[1]};
   }
-  if (const auto position = text_after(text, "pixel:")) {
+  if (const auto position = text_after_prefix(text, "pixel:")) {
     if (const auto n = parse_numbers(*position, 2); !n.empty()) return {Kind::kPixel, 0, n[0], n[1]};
   }
   throw sim::InputError(fmt::format(
@@ -133,7 +133,7 @@ class TimeBins {
         count_(static_cast<std::size_t>((elapsed + length_ - 1) / length_)) {}
 
   std::size_t bin_count() const { return count_; }
-  std::size_t of_bin(std::size_t bin) const { return std::min(bin / bins_, count_ - 1); }
+  std::size_t display_bin_of(std::size_t bin) const { return std::min(bin / bins_, count_ - 1); }
   sim::Time bin_begin(std::size_t i) const { return i * length_; }
   double bin_seconds(std::size_t i) const {
     return static_cast<double>(std::min(bin_begin(i + 1), elapsed_) - bin_begin(i)) / sim::kFemtosecondsPerSecond;
@@ -210,7 +210,7 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
   std::vector<MemoryBin> memory(time_bins.bin_count());
   for (std::size_t bin = 0; bin < recorder.memory_bins().size(); ++bin) {
     const MemoryBin& from = recorder.memory_bins()[bin];
-    MemoryBin& sum = memory[time_bins.of_bin(bin)];
+    MemoryBin& sum = memory[time_bins.display_bin_of(bin)];
     sum.l2_hits += from.l2_hits;
     sum.l2_misses += from.l2_misses;
     sum.lines_read += from.lines_read;
@@ -244,9 +244,9 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
 }
 
 using Slice = RecordedSlice;
-constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNotSelected = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns for each slice the position in the selection of the first tile during which it occurs, or kNotWanted.
+/// Returns for each slice the position in the selection of the first tile during which it occurs, or kNotSelected.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
@@ -267,7 +267,7 @@ std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices,
       return w.core == slice.core && slice.begin < w.end && slice.end > w.begin;
     };
     const auto first = std::ranges::find_if(windows, shows);
-    out.push_back(first == windows.end() ? kNotWanted : static_cast<std::uint32_t>(first - windows.begin()));
+    out.push_back(first == windows.end() ? kNotSelected : static_cast<std::uint32_t>(first - windows.begin()));
   }
   return out;
 }
@@ -278,7 +278,7 @@ class SliceWriter {
   SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
 
   /// Calls add(time, write) for each event of a timeline slice in order; write(packets) adds the event to the trace.
-  void each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
+  void for_each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
     const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end_slice(time, track); };
     add(slice.begin, [=, this](TracePackets& to, std::uint64_t time) { write_begin(slice, track, to, time); });
     if (slice.kind == Slice::Kind::kLoop) {
@@ -337,7 +337,7 @@ std::vector<std::size_t> order_by_rank(const std::vector<RecordedSlice>& slices,
                                        const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    if (rank[i] != kNotWanted) order.push_back(i);
+    if (rank[i] != kNotSelected) order.push_back(i);
   }
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return std::pair(rank[i], slices[i].begin); });
   return order;
@@ -363,8 +363,8 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   std::size_t fitting = 0;
   for (; fitting < shown.size(); ++fitting) {
     const std::size_t before = scratch.bytes().size();
-    writer.each_event(slices[shown[fitting]], TimelineTracks::kLongestId,
-                      [&](sim::Time at, auto&& write) { write(scratch, to_nanoseconds(at)); });
+    writer.for_each_event(slices[shown[fitting]], TimelineTracks::kLongestId,
+                          [&](sim::Time at, auto&& write) { write(scratch, to_nanoseconds(at)); });
     used += scratch.bytes().size() - before;
     if (used > most_bytes) break;
   }
@@ -381,7 +381,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   for (const std::size_t i : shown) {
     const std::uint64_t track = tracks.track_of(slices[i]);
     std::uint32_t number = 0;
-    writer.each_event(slices[i], track, [&](sim::Time at, auto&&) {
+    writer.for_each_event(slices[i], track, [&](sim::Time at, auto&&) {
       events.push_back({to_nanoseconds(at), i, track, number++});
     });
   }
@@ -389,7 +389,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   TracePackets packets;
   for (const Event& event : events) {
     std::uint32_t number = 0;
-    writer.each_event(slices[event.slice], event.track, [&](sim::Time at, auto&& write) {
+    writer.for_each_event(slices[event.slice], event.track, [&](sim::Time at, auto&& write) {
       if (number++ == event.number) write(packets, to_nanoseconds(at));
     });
   }

@@ -77,7 +77,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
 }
 
 /// Recomputes boxes in one backward pass: nodes precede their children, so the boxes of children are known first.
-void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
+void recompute_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];
     for (int c = 0; c < 2; ++c) {
@@ -100,7 +100,7 @@ void refit_memory_image(const Scene& posed, MemoryImage& image) {
     image.attributes[i] = shading.attributes[source];
     if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
   }
-  fit_boxes(image, 0, image.nodes.size());
+  recompute_boxes(image, 0, image.nodes.size());
   if (!image.triangles.empty()) {
     const Bounds bounds = bounds_of(image.nodes.front());
     image.lower = bounds.lower;

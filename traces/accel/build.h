@@ -13,7 +13,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {},
                                sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff);
 
 /// Recomputes the boxes of nodes [first, end) of an image from their triangles. The nodes must form whole trees.
-void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end);
+void recompute_boxes(MemoryImage& image, std::size_t first, std::size_t end);
 
 /// Updates the memory image of a scene that has moved, by refit or rebuild as BvhConfig selects.
 void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,

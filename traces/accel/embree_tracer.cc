@@ -75,7 +75,7 @@ struct Query {
   float tie_limit() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
   /// Makes `hit` the best hit if BvhTracer's rule prefers it. `instance` is 0 in an image of one level.
-  void offer_hit(const Hit& hit, std::uint32_t instance) {
+  void update_best_hit(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
     const Rank offered = rank_of(instance, hit.triangle);
     const bool better =
@@ -99,7 +99,7 @@ void keep_best_hit(const RTCFilterFunctionNArguments* arguments) {
     arguments->valid[0] = 0;  // rejects the hit; Embree continues
     return;
   }
-  query.offer_hit({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
+  query.update_best_hit({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
   ray.tfar = query.tie_limit();
 }
 

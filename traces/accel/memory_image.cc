@@ -94,7 +94,7 @@ std::uint64_t MemoryImage::node_array_bytes() const {
   return layout.node_bytes * node_records(nodes.size(), boxes, 1 + trees.size());
 }
 
-std::vector<std::uint32_t> parents_of(const MemoryImage& image) {
+std::vector<std::uint32_t> parent_indices(const MemoryImage& image) {
   const std::size_t nodes = image.nodes.size();
   std::vector<std::uint32_t> parents(nodes + image.instances.size());
   for (const ObjectTree& tree : image.trees) parents[tree.first_node] = tree.first_node;

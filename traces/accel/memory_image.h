@@ -248,6 +248,6 @@ ImageCounts counts_of(const MemoryImage& image);
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
 /// Returns the parent of each inner node; a root is its own parent. In two levels, the parents of all instances follow.
-std::vector<std::uint32_t> parents_of(const MemoryImage& image);
+std::vector<std::uint32_t> parent_indices(const MemoryImage& image);
 
 }  // namespace traces

@@ -121,7 +121,7 @@ void test_all_triangles(const Ray& ray, std::span<const TriangleRecord> triangle
 }  // namespace
 
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit) {
-  const ToWorld world = image.has_two_levels() ? to_world(image.instances[instance_of(hit)]) : ToWorld{};
+  const ToWorld world = image.has_two_levels() ? to_world(image.instances[instance_index_of(hit)]) : ToWorld{};
   return exact_hit(ray, image.triangles[hit.triangle_index()], world, image.diagonal());
 }
 
@@ -180,13 +180,13 @@ bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, c
   // A reference result with flags does not show whether the ray is blocked. The tested hit itself is then checked.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
-         (!image_.has_two_levels() || instance_of(tested) == instance_of(reference)) &&
+         (!image_.has_two_levels() || instance_index_of(tested) == instance_index_of(reference)) &&
          std::fabs(double{tested.t} - reference.t) <= distance_tolerance(ray, reference.t);
 }
 
 bool VerifyingTracer::names_existing_triangle(const Hit& hit) const {
   return hit.triangle_index() < image_.triangles.size() &&
-         (!image_.has_two_levels() || instance_of(hit) < image_.instances.size());
+         (!image_.has_two_levels() || instance_index_of(hit) < image_.instances.size());
 }
 
 bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {

@@ -28,7 +28,7 @@ Coverage::Block make_block(std::span<const Coverage::Sample> samples) {
 double farthest_depth(const Coverage::Block& block, const Coverage& found) {
   double depth = 0;
   for (const Coverage::Sample& s : block.samples) {
-    const Coverage::Winner& winner = found.winners[s.sample];
+    const Coverage::NearestTriangle& winner = found.winners[s.sample];
     if (winner.triangle == kNone) return std::numeric_limits<double>::infinity();
     depth = std::max(depth, winner.depth);
   }
@@ -41,7 +41,7 @@ bool boxes_overlap(const PictureBox& a, const PictureBox& b) {
 
 /// Tests the depth of a triangle at a sample that it covers. Returns true, and stores it, if it is the nearest so far.
 bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
-  Coverage::Winner& winner = found.winners[sample.sample];
+  Coverage::NearestTriangle& winner = found.winners[sample.sample];
   const double depth = edges.depth_at(sample.at);
   if (winner.triangle != kNone && !(depth < winner.depth)) return false;
   winner = {number, depth};
@@ -135,7 +135,7 @@ void Rasteriser::sort_samples(std::span<const Ray> rays, Coverage& found) const 
                     [](const Coverage::Sample& s) { return std::tuple(s.list, s.block, s.quad, s.sample); });
 }
 
-void Rasteriser::cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const {
+void Rasteriser::rasterise_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const {
   found.winners.assign(rays.size(), {});
   found.layers.assign(rays.size(), 0);
   found.quads.assign(rays.size(), 0);

@@ -15,13 +15,13 @@ namespace traces {
 /// reused.
 struct Coverage {
   /// The nearest triangle at a sample.
-  struct Winner {
+  struct NearestTriangle {
     std::uint32_t triangle = kNone;  ///< index of the triangle in the frame; kNone if no triangle covers the sample
     double depth = 0;
   };
-  std::vector<Winner> winners;        ///< nearest triangle, one entry per sample
-  std::vector<std::uint32_t> layers;  ///< for each sample, the number of triangles that cover it
-  std::vector<std::uint32_t> quads;   ///< for each sample, the number of triangles that cover part of its quad
+  std::vector<NearestTriangle> winners;  ///< nearest triangle, one entry per sample
+  std::vector<std::uint32_t> layers;     ///< for each sample, the number of triangles that cover it
+  std::vector<std::uint32_t> quads;      ///< for each sample, the number of triangles that cover part of its quad
 
   // Scratch data of the rasteriser: samples sorted by list, block and quad; blocks of a list; lists of a batch's
   // triangles.
@@ -64,7 +64,7 @@ class Rasteriser {
   /// Appends the work of binning a batch of triangles, and returns the number of triangles. `scratch` provides storage.
   std::uint32_t bin_triangles(std::uint32_t batch, Coverage& scratch, TileWork& work) const;
   /// Finds the first hit of each ray from the eye. Appends the rasterisation work to `work` unless it is null.
-  void cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
+  void rasterise_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
 
   const RasterGeometry& scene_geometry() const { return geometry_; }
   const RasterView& raster_view() const { return view_; }

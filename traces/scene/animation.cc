@@ -33,7 +33,7 @@ std::vector<glm::dmat4x3> joint_matrices(const Skin& skin, const NodePoses& node
   return out;
 }
 
-bool place_vertices(Scene& scene, const Instance& instance, const NodePoses& nodes) {
+bool pose_vertices(Scene& scene, const Instance& instance, const NodePoses& nodes) {
   Mesh& mesh = scene.meshes[instance.mesh];
   if (mesh.deformation == nullptr) return false;
   std::vector<glm::dmat4x3> joints;
@@ -43,14 +43,14 @@ bool place_vertices(Scene& scene, const Instance& instance, const NodePoses& nod
   return deform_mesh(mesh, joints, weights);
 }
 
-bool place_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
+bool pose_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
   const std::shared_ptr<const Deformation>& deformation = scene.meshes[instance.mesh].deformation;
   if (deformation != nullptr && deformation->skin != kNone) return assign_if_different(instance.to_world, glm::mat4(1));
   return instance.node != kNone && assign_if_different(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
 }
 
 /// Throws InputError if a moved instance is so far away that ray arithmetic would overflow.
-void check_reach(const Scene& scene, const Instance& instance, double seconds) {
+void check_distance_from_origin(const Scene& scene, const Instance& instance, double seconds) {
   const Mesh& mesh = scene.meshes[instance.mesh];
   float reach = 0;
   bool finite = true;
@@ -63,14 +63,14 @@ void check_reach(const Scene& scene, const Instance& instance, double seconds) {
                                     seconds, mesh.name, kFarthest));
 }
 
-bool place_camera(Camera& camera, const NodePoses& nodes) {
+bool pose_camera(Camera& camera, const NodePoses& nodes) {
   if (camera.node == kNone) return false;
   const glm::dmat4& to_world = nodes.to_world[camera.node];
   return assign_if_different(camera.to_world, camera_to_world(to_world).value_or(
                                                   glm::mat4(glm::translate(glm::dmat4(1), glm::dvec3(to_world[3])))));
 }
 
-bool place_light(Light& light, const NodePoses& nodes) {
+bool pose_light(Light& light, const NodePoses& nodes) {
   if (light.node == kNone) return false;
   const glm::dmat4 to_world = nodes.to_world[light.node] * glm::dmat4(light.in_node);
   const bool moved = assign_if_different(light.position, glm::vec3(to_world[3]));
@@ -85,13 +85,13 @@ Moved pose_scene(Scene& scene, double seconds) {
   const NodePoses nodes = pose_nodes(scene, seconds);
   Moved moved;
   for (Instance& instance : scene.instances) {
-    const bool bent = place_vertices(scene, instance, nodes);
-    if (!place_instance(scene, instance, nodes) && !bent) continue;
-    check_reach(scene, instance, seconds);
+    const bool bent = pose_vertices(scene, instance, nodes);
+    if (!pose_instance(scene, instance, nodes) && !bent) continue;
+    check_distance_from_origin(scene, instance, seconds);
     moved.geometry = true;
   }
-  for (Camera& camera : scene.cameras) moved.view = place_camera(camera, nodes) || moved.view;
-  for (Light& light : scene.lights) moved.lights = place_light(light, nodes) || moved.lights;
+  for (Camera& camera : scene.cameras) moved.view = pose_camera(camera, nodes) || moved.view;
+  for (Light& light : scene.lights) moved.lights = pose_light(light, nodes) || moved.lights;
   return moved;
 }
 

@@ -40,7 +40,7 @@ glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const
 /// Reads the background and ambient light that export_glb() stores in the scene's extras, `"raywatt": {"background":
 /// [r, g, b], "ambient": [r, g, b]}`, and converts the file's lights from glTF's units. Returns false if the extras are
 /// missing. If they are present, no lights for emitters, default sun or exposure are added.
-bool read_final_light(Context& context) {
+bool read_light_extras(Context& context) {
   const tinygltf::Model& model = context.model;
   if (model.scenes.empty()) return false;
   const tinygltf::Value& extras =
@@ -90,14 +90,14 @@ Scene read_scene(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::Textures textures(context);
   gltf::Meshes meshes(context, gltf::read_materials(context, textures));
   gltf::read_nodes(context, meshes);
-  gltf::finish_deformations(context);
+  gltf::read_skins_and_morph_weights(context);
   gltf::read_animations(context);
   pose_at_zero(context);
   if (scene.instances.empty())
     context.refuse(
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  if (!gltf::read_final_light(context)) finish_lights(scene);
+  if (!gltf::read_light_extras(context)) finish_lights(scene);
   pose_scene(scene, 0);  // includes the lights of emitters: a later pose at time 0 gives the same bits
   return scene;
 }

@@ -45,7 +45,7 @@ Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
 
 /// Returns the direction in which light leaves an emitter: its mean normal or its shortest side, towards the middle of
 /// the scene.
-glm::vec3 exit_direction(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
+glm::vec3 light_exit_direction(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {
     way = glm::vec3(glm::normalize(e.normal));
@@ -94,7 +94,7 @@ void add_emitter_lights(Scene& scene) {
     const Emitter e = measure_emitter(mesh, instance.to_world);
     if (!(e.area > 0)) continue;
     const glm::vec3 centroid(e.moment / e.area);
-    const glm::vec3 way = exit_direction(e, centroid, world.centre());
+    const glm::vec3 way = light_exit_direction(e, centroid, world.centre());
     const glm::vec3 corner = glm::mix(e.bounds.lower, e.bounds.upper, glm::greaterThan(way, glm::vec3(0)));
     Light light;
     light.kind = Light::Kind::kPoint;
@@ -134,7 +134,7 @@ void finish_lights(Scene& scene) {
   if (scene.lights.empty()) {
     add_default_light(scene);
   } else {
-    expose_lights(scene);
+    scale_lights_to_exposure(scene);
   }
 }
 
@@ -145,7 +145,7 @@ struct Point {
 };
 
 /// True for a light source or an unlit surface, whose colour does not depend on incident light.
-bool is_shining(const Material& material) {
+bool is_self_luminous(const Material& material) {
   return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.is_used());
 }
 
@@ -154,7 +154,7 @@ template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    if (is_shining(scene.materials[mesh.material])) continue;
+    if (is_self_luminous(scene.materials[mesh.material])) continue;
     for (const auto& triangle : mesh.triangles) {
       glm::vec3 p[3];
       for (std::size_t k = 0; k < 3; ++k)
@@ -180,8 +180,8 @@ std::vector<Point> spread_points(const Scene& scene, std::size_t count) {
     const float length = glm::length(normal);
     passed += static_cast<double>(length);
     while (points.size() < count && passed > (static_cast<double>(points.size()) + 0.5) * step) {
-      float u = sim::unit_float(sim::hash(points.size(), 0));
-      float v = sim::unit_float(sim::hash(points.size(), 1));
+      float u = sim::hash_to_unit_float(sim::hash(points.size(), 0));
+      float v = sim::hash_to_unit_float(sim::hash(points.size(), 1));
       if (u + v > 1) u = 1 - u, v = 1 - v;
       points.push_back({p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]), normal / length});
     }
@@ -290,7 +290,7 @@ void keep_strongest_light(Scene& scene) {
   if (most >= 0) scene.lights.push_back(strongest);
 }
 
-void expose_lights(Scene& scene) {
+void scale_lights_to_exposure(Scene& scene) {
   scene.ambient = glm::vec3(kAmbient);
   const float level = view_brightness(scene, spread_points(scene, kPoints));
   const float scale = kTargetIrradiance / level;

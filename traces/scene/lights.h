@@ -23,15 +23,15 @@ void add_default_light(Scene& scene);
 /// Scales all lights to a suitable exposure, because files give light in candela, lux, watts or arbitrary units. Of
 /// what the first camera sees, the brightest tenth receives an irradiance of at least kTargetIrradiance. `ambient`
 /// becomes kAmbient. Shadows are ignored.
-void expose_lights(Scene& scene);
+void scale_lights_to_exposure(Scene& scene);
 inline constexpr float kTargetIrradiance = 0.85F;
 inline constexpr float kAmbient = 0.15F;
 
 /// Removes all lights except one: the light that alone makes the first camera's view brightest.
 void keep_strongest_light(Scene& scene);
 
-/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Call it after
-/// the cameras are set.
+/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, scale_lights_to_exposure(). Call
+/// it after the cameras are set.
 void finish_lights(Scene& scene);
 
 }  // namespace traces

@@ -44,7 +44,7 @@ glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::ve
 
 }  // namespace
 
-std::vector<std::uint32_t> flatten_normals(Mesh& mesh) {
+std::vector<std::uint32_t> make_flat_normals(Mesh& mesh) {
   std::vector<std::uint32_t> from;
   std::vector<glm::vec3> normals;
   from.reserve(mesh.triangles.size() * 3);

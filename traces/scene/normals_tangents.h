@@ -8,7 +8,7 @@ namespace traces {
 
 /// Gives every triangle its own vertices with its geometric normal, as glTF demands if a file has no normals. Returns
 /// for each new vertex the old one that it copies.
-std::vector<std::uint32_t> flatten_normals(Mesh& mesh);
+std::vector<std::uint32_t> make_flat_normals(Mesh& mesh);
 
 /// Returns for every vertex the normal of the last triangle that uses it. Intended for meshes with flat normals.
 std::vector<glm::vec3> triangle_normals(const Mesh& mesh);

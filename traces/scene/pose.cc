@@ -150,9 +150,9 @@ LocalPose rest_pose(const Transform& t) {
 }
 
 glm::dmat4 local_matrix(const LocalPose& p) {
-  return matrix_of({p.translation[0], p.translation[1], p.translation[2]},
-                   glm::dquat(p.rotation[3], p.rotation[0], p.rotation[1], p.rotation[2]),
-                   {p.scale[0], p.scale[1], p.scale[2]});
+  return transform_matrix({p.translation[0], p.translation[1], p.translation[2]},
+                          glm::dquat(p.rotation[3], p.rotation[0], p.rotation[1], p.rotation[2]),
+                          {p.scale[0], p.scale[1], p.scale[2]});
 }
 
 void apply_track(const Track& track, double seconds, LocalPose& pose, std::vector<double>& weights) {
@@ -170,7 +170,7 @@ void apply_track(const Track& track, double seconds, LocalPose& pose, std::vecto
 
 }  // namespace
 
-glm::dmat4 matrix_of(const glm::dvec3& translation, const glm::dquat& q, const glm::dvec3& scale) {
+glm::dmat4 transform_matrix(const glm::dvec3& translation, const glm::dquat& q, const glm::dvec3& scale) {
   const double x = q.x, y = q.y, z = q.z, w = q.w;
   glm::dmat4 m(1);
   m[0] = glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0) * scale.x;

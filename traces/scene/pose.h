@@ -23,7 +23,7 @@ void sample_track_slope(const Track& track, double seconds, std::span<double> ou
 struct Scene;
 
 /// Returns the matrix that applies scale, then rotation (a unit quaternion), then translation.
-glm::dmat4 matrix_of(const glm::dvec3& translation, const glm::dquat& rotation, const glm::dvec3& scale);
+glm::dmat4 transform_matrix(const glm::dvec3& translation, const glm::dquat& rotation, const glm::dvec3& scale);
 
 /// Transforms of all of Scene::nodes at a time.
 struct NodePoses {

@@ -57,7 +57,7 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
   if (config.rig == LightRig::kStrongest) {
     const glm::vec3 ambient = scene.ambient;
     keep_strongest_light(scene);
-    expose_lights(scene);
+    scale_lights_to_exposure(scene);
     scene.ambient = ambient;
     return;
   }
@@ -70,7 +70,7 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
 }
 
 /// Attaches a fixed camera to a node, so that posing the scene restores its place.
-void pin_camera(Scene& scene) {
+void attach_camera_to_node(Scene& scene) {
   Camera& camera = scene.cameras.front();
   if (camera.node != kNone) return;
   camera.node = static_cast<std::uint32_t>(scene.nodes.size());
@@ -118,7 +118,7 @@ Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
   if (workload.back_faces == BackFaces::kShown) show_back_faces(scene);
   choose_lights(scene, workload.lights);
   scene.cameras = {camera};
-  if (workload.camera_path == CameraPath::kOrbit) pin_camera(scene);
+  if (workload.camera_path == CameraPath::kOrbit) attach_camera_to_node(scene);
   if (workload.sky.source == Sky::kOwn) {
     scene.background = to_vec3(workload.sky.background);
     scene.ambient = to_vec3(workload.sky.ambient);

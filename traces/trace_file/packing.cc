@@ -40,7 +40,7 @@ std::string_view Packer::pack_block(std::string_view bytes) {
   return {packed_.data(), size};
 }
 
-std::string_view Packer::pack_loosely(std::string_view bytes, std::size_t bytes_a_byte) {
+std::string_view Packer::pack_with_limited_ratio(std::string_view bytes, std::size_t bytes_a_byte) {
   ZSTD_CCtx_setPledgedSrcSize(context_.get(), bytes.size());
   packed_.clear();
   std::string piece(ZSTD_CStreamOutSize(), '\0');

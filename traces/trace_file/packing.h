@@ -22,7 +22,7 @@ class Packer {
   std::string_view pack_block(std::string_view bytes);
   /// Packs bytes like pack_block(), but the block has at least one byte per `bytes_a_byte` bytes of contents (4 or
   /// more).
-  std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
+  std::string_view pack_with_limited_ratio(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
   struct Free {

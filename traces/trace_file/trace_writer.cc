@@ -65,7 +65,7 @@ void append_bytes(T number, std::string& out) {
 
 TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(check_replaceable(path)) {
   contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
-  const std::string_view packed = pack_limited(sim::json_line(header));
+  const std::string_view packed = pack_within_limits(sim::json_line(header));
   std::string size;
   append_bytes(static_cast<std::uint32_t>(packed.size()), size);
   file_.write(kTraceMagic);
@@ -73,13 +73,14 @@ TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) 
   file_.write(packed);
 }
 
-std::string_view TraceWriter::pack_limited(std::string_view bytes) {
+std::string_view TraceWriter::pack_within_limits(std::string_view bytes) {
   const std::string_view packed = packer_.pack_block(bytes);
-  return bytes.size() <= most_unpacked_bytes(packed.size()) ? packed : packer_.pack_loosely(bytes, kMaxPacking);
+  return bytes.size() <= most_unpacked_bytes(packed.size()) ? packed
+                                                            : packer_.pack_with_limited_ratio(bytes, kMaxPacking);
 }
 
 Json TraceWriter::append_block(std::string_view bytes) {
-  const std::string_view packed = pack_limited(bytes);
+  const std::string_view packed = pack_within_limits(bytes);
   const Json range = {{"offset", file_.size()}, {"bytes", packed.size()}};
   file_.write(packed);
   return range;
@@ -113,7 +114,7 @@ void TraceWriter::add_tile(const TileWork& work) {
                     "tile, depth or number of lights",
                     bytes_.size() >> 20, most_of_tile_ >> 20));
   }
-  const std::string_view packed = pack_limited(bytes_);
+  const std::string_view packed = pack_within_limits(bytes_);
   file_.write(packed);
   sizes_.push_back(static_cast<std::uint32_t>(packed.size()));
 }

@@ -59,7 +59,7 @@ class TraceWriter {
 
  private:
   /// Packs a block so that its unpacked size is within most_unpacked_bytes(). The result is valid until the next call.
-  std::string_view pack_limited(std::string_view bytes);
+  std::string_view pack_within_limits(std::string_view bytes);
   /// Appends a packed block to the file and returns where it is.
   Json append_block(std::string_view bytes);
 

@@ -76,9 +76,9 @@ struct NoBits {
 };
 
 /// Checks word by word whether walks are possible in a tree.
-class Follower {
+class WalkChecker {
  public:
-  Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
+  WalkChecker(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
       : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
 
   const std::uint32_t* next_word() const { return at_; }
@@ -162,7 +162,7 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word takes at most 4 bytes
   BitWriter bits(out.data() + before);
   const std::uint32_t* begin = work.walk.data();
-  Follower follower(links, begin, begin + work.walk.size());
+  WalkChecker follower(links, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
     good = follower.next_word() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
@@ -177,7 +177,7 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
   if (!bytes.empty()) std::memcpy(work.walk.data(), bytes.data(), bytes.size());
   work.ray_begin.resize(rays);
   const std::uint32_t* begin = work.walk.data();
-  Follower follower(links, begin, begin + work.walk.size());
+  WalkChecker follower(links, begin, begin + work.walk.size());
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
     at = static_cast<std::uint32_t>(follower.next_word() - begin);

@@ -34,13 +34,13 @@ BlockFrame::BlockFrame(const traces::MemoryImage& image, const traces::Camera& v
       order(tiles.rendering_order(keys.halo)),
       number(frame) {}
 
-std::uint64_t BlockFrame::stored_bytes() const {
+std::uint64_t BlockFrame::stored_bytes_per_tile() const {
   const std::uint64_t side = tiles.tile_side();
-  return 2 * side * exchanged_bytes() +
+  return 2 * side * exchanged_bytes_per_sample() +
          (adaptive.attributes == AttributeStorage::kDram ? side * side * setup.record_bytes : 0);
 }
 
-std::uint32_t BlockFrame::exchanged_bytes() const {
+std::uint32_t BlockFrame::exchanged_bytes_per_sample() const {
   return setup.record_bytes + static_cast<std::uint32_t>(sizeof(ColourRecord<float>));
 }
 
@@ -52,12 +52,12 @@ FrameRequirements BlockFrame::requirements() const {
   needs.tile_samples = side * side;
   needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // the samples that are checked along y
   needs.attribute_bytes = adaptive.attributes == AttributeStorage::kTile ? kept * setup.record_bytes : 0;
-  needs.region_bytes = {std::uint64_t{tiles.tile_count()} * pixels * kPixelBytes, tiles.tile_count() * stored_bytes(),
-                        setup.carries_rates ? tiles.tile_count() : 0};
+  needs.region_bytes = {std::uint64_t{tiles.tile_count()} * pixels * kPixelBytes,
+                        tiles.tile_count() * stored_bytes_per_tile(), setup.carries_rates ? tiles.tile_count() : 0};
   return needs;
 }
 
-LatticeUniforms<float> BlockFrame::own_samples(const SampleTile& at) const {
+LatticeUniforms<float> BlockFrame::own_sample_lattice(const SampleTile& at) const {
   return {.first = static_cast<float>(row_pitch() + 1),
           .across = static_cast<float>(at.width),
           .inverse_across = inverse_or_one(at.width),
@@ -160,7 +160,7 @@ void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::ui
                    .row_step = static_cast<float>(row_step)};
   const Wavefront::Node listed = graph.launch<ListSamples>(ports, items);
   graph.wait_for_all(listed, start_);
-  trace_listed(buffer.checks.samples, listed, items, frame_.setup.before_check_y, is_own, items);
+  trace_listed_samples(buffer.checks.samples, listed, items, frame_.setup.before_check_y, is_own, items);
   if (!is_own) return;
   const std::uint32_t pitch = frame_.row_pitch();
   for (std::uint32_t i = 0; i < items; ++i) {
@@ -169,8 +169,8 @@ void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::ui
   }
 }
 
-void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items,
-                             const RetainedRecords& kept, bool is_own, std::uint32_t lanes) {
+void BlockTile::trace_listed_samples(SampleQueue& list, Wavefront::Node lister, std::uint32_t items,
+                                     const RetainedRecords& kept, bool is_own, std::uint32_t lanes) {
   if (items == 0) return;
   buffer.reserve_wave(items);
   GenerateListedRays::Ports<float> generate;
@@ -192,7 +192,7 @@ void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std:
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
     ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());
     const Wavefront::Node node = graph.launch<K>(ports, items, lanes);
-    graph.wait_for_colours(node);
+    graph.wait_for_colour_writers(node);
     graph.register_record_writer(node);
   };
   if (!frame_.scene.fuses) {
@@ -206,10 +206,10 @@ void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std:
   coloured += ports_of<CountColoured>(ports).coloured_count.value;
 }
 
-void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
+void BlockTile::trace_failed_samples(const BlockLines& lines, const Verdict& verdict) {
   if (lines.is_own) mark_samples(lines, verdict);
   const RetainedRecords& kept = lines.along_y ? frame_.setup.after_check_y : frame_.setup.before_check_y;
-  trace_listed(buffer.checks.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
+  trace_listed_samples(buffer.checks.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
   if (!lines.is_own || !lines.along_y || !frame_.setup.carries_rates) return;
   const Wavefront::Node written = graph.add_transfer(Region::kRates, true, at.index, 1);
   graph.wait_for_all(written, verdict.node);
@@ -245,17 +245,18 @@ void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
 }
 
 void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
-  graph.import_samples({tile, border}, frame_.stored_bytes() * tile + offset, samples * frame_.exchanged_bytes());
+  graph.import_samples({tile, border}, frame_.stored_bytes_per_tile() * tile + offset,
+                       samples * frame_.exchanged_bytes_per_sample());
   if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
   // The modelled machine counts imported samples here. The host has counted them when they were traced.
-  const Wavefront::Node counted = graph.record_known<CountColoured>(samples);
-  graph.wait_for_records(counted);
+  const Wavefront::Node counted = graph.record_known_launch<CountColoured>(samples);
+  graph.wait_for_record_writers(counted);
   graph.register_record_writer(counted);
 }
 
 /// Fills the left halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
 /// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
-void BlockTile::import_left() {
+void BlockTile::import_left_halo() {
   if (!at.has_left) return;
   const std::uint32_t step = block_ * frame_.row_pitch();
   if (frame_.adaptive.halo == Halo::kRetrace) return trace_lattice(step, 1, 0, step, block_rows(), false);
@@ -263,7 +264,8 @@ void BlockTile::import_left() {
   const std::uint32_t stride = left_block_ / block_ > 1 ? left_block_ / block_ : 1;
   const std::uint32_t kept = block_rows() / stride;
   if (kept != 0) {
-    import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes(), kept);
+    import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes_per_sample(),
+                   kept);
   }
   if (stride > 1) trace_lattice(step, 1, 0, stride * step, block_rows() - kept, false);
   graph.pause_recording();
@@ -271,7 +273,7 @@ void BlockTile::import_left() {
   graph.resume_recording();
 }
 
-bool BlockTile::begin_import_above() {
+bool BlockTile::begin_upper_halo_import() {
   if (!at.has_above) return false;
   if (frame_.adaptive.halo == Halo::kReload) {
     import_samples(at.above, kLowerBorder, 0, at.width);
@@ -286,25 +288,26 @@ void BlockTile::trace_references_above() {
   trace_lattice(at.has_left ? 0 : above_block_, columns_above + corner, above_block_, 0, columns_above + corner, false);
 }
 
-void BlockTile::export_right() {
+void BlockTile::export_right_border() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
-  const std::uint64_t bytes = frame_.exchanged_bytes();
-  graph.export_samples(kRightBorder, frame_.stored_bytes() * at.index + frame_.tiles.tile_side() * bytes,
-                       block_rows() * frame_.exchanged_bytes());
+  const std::uint64_t bytes = frame_.exchanged_bytes_per_sample();
+  graph.export_samples(kRightBorder, frame_.stored_bytes_per_tile() * at.index + frame_.tiles.tile_side() * bytes,
+                       block_rows() * frame_.exchanged_bytes_per_sample());
 }
 
-void BlockTile::export_below() {
+void BlockTile::export_lower_border() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_below) return;
-  graph.export_samples(kLowerBorder, frame_.stored_bytes() * at.index, at.width * frame_.exchanged_bytes());
+  graph.export_samples(kLowerBorder, frame_.stored_bytes_per_tile() * at.index,
+                       at.width * frame_.exchanged_bytes_per_sample());
 }
 
 void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
   if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
-  const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes();
-  const std::uint64_t store = frame_.stored_bytes() * at.index + borders;
+  const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes_per_sample();
+  const std::uint64_t store = frame_.stored_bytes_per_tile() * at.index + borders;
   const Wavefront::Node to_dram =
       graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
-  graph.wait_for_records(to_dram);
+  graph.wait_for_record_writers(to_dram);
   const Wavefront::Node back = graph.add_transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
   graph.wait_for_all(back, to_dram);
   graph.register_record_writer(back);
@@ -313,7 +316,7 @@ void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
 void BlockTile::average_pixels() {
   if (can_pack_samples()) {
     PackGridSample::Ports<float> pack;
-    pack.lattice = frame_.own_samples(at);
+    pack.lattice = frame_.own_sample_lattice(at);
     return write_packed_pixels(graph.launch<PackGridSample>(pack, at.width * at.height));
   }
   const std::uint32_t grid = frame_.setup.grid, per_pixel = grid * grid;
@@ -327,12 +330,12 @@ void BlockTile::average_pixels() {
   ports.first = static_cast<float>(frame_.row_pitch() + 1);
   ports.pitch = static_cast<float>(frame_.row_pitch());
   const Wavefront::Node averaged = graph.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
-  graph.wait_for_colours(averaged);
+  graph.wait_for_colour_writers(averaged);
   graph.write_pixels(averaged, frame_.picture_bytes() * at.index);
 }
 
 void BlockTile::write_packed_pixels(Wavefront::Node packed) {
-  graph.wait_for_colours(packed);
+  graph.wait_for_colour_writers(packed);
   graph.write_packed_pixels(packed, frame_.picture_bytes() * at.index);
 }
 

@@ -42,12 +42,12 @@ struct BlockFrame {
   std::uint32_t row_pitch() const { return tiles.tile_side() + 1; }
   ConeUniforms<float> ray_cone() const { return cone_uniforms(camera, setup.grid); }
   /// Returns which samples of the tile buffer belong to the tile, without its halo.
-  LatticeUniforms<float> own_samples(const SampleTile& at) const;
+  LatticeUniforms<float> own_sample_lattice(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
   /// Returns how many bytes of each exchanged sample a neighbouring tile reads.
-  std::uint32_t exchanged_bytes() const;
+  std::uint32_t exchanged_bytes_per_sample() const;
   /// Returns the bytes that a tile stores in memory: last row, last column, and all records if they are kept in DRAM.
-  std::uint64_t stored_bytes() const;
+  std::uint64_t stored_bytes_per_tile() const;
   /// Returns the bytes of a tile's pixels in the frame buffer.
   std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.tile_count(); }
   /// Allocates the counts that `frame_counts` keeps for each tile.
@@ -99,19 +99,19 @@ class BlockTile {
   /// Returns the samples of the rows without references. Each of these samples is between two reference rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
-  void trace_failed(const BlockLines& lines, const Verdict& verdict);
+  void trace_failed_samples(const BlockLines& lines, const Verdict& verdict);
 
   /// Writes the references of the last column to memory, for the tile on the right.
-  void export_right();
+  void export_right_border();
   /// Writes the last row to memory, for the tile below.
-  void export_below();
+  void export_lower_border();
   /// Loads or traces the last column of the tile on the left, as AdaptiveConfig::halo selects.
-  void import_left();
+  void import_left_halo();
   /// Loads or traces the last row of the tile above, as AdaptiveConfig::halo selects. `resolve(lines)` renders the
   /// samples between its references.
   template <class Resolve>
-  void import_above(Resolve&& resolve) {
-    if (!begin_import_above()) return;
+  void import_upper_halo(Resolve&& resolve) {
+    if (!begin_upper_halo_import()) return;
     trace_references_above();
     resolve(lines_along_x(above_block_, false));
     graph.resume_recording();
@@ -150,11 +150,11 @@ class BlockTile {
   /// Traces `items` samples of a regular lattice with `across` samples per row, beginning at sample `first`.
   void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
                      std::uint32_t items, bool is_own);
-  void trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items, const RetainedRecords& kept,
-                    bool is_own, std::uint32_t lanes);
+  void trace_listed_samples(SampleQueue& list, Wavefront::Node lister, std::uint32_t items, const RetainedRecords& kept,
+                            bool is_own, std::uint32_t lanes);
   void record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint);
   void import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples);
-  bool begin_import_above();
+  bool begin_upper_halo_import();
   void trace_references_above();
   void spill_records(std::uint32_t written, std::uint32_t read);
   void mark_samples(const BlockLines& lines, const Verdict& verdict);

@@ -47,19 +47,19 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   const auto resolve = [&](const BlockLines& lines) {
     if (lines.samples == 0) return;
     const Verdict verdict = check_and_interpolate(tile, lines);
-    tile.trace_failed(lines, verdict);
+    tile.trace_failed_samples(lines, verdict);
   };
 
   // 1. Trace the reference sample of each block. Export borders before importing halos, which keeps chains of waiting
   // tiles short.
   tile.trace_references();
-  tile.export_right();
-  tile.import_left();
+  tile.export_right_border();
+  tile.import_left_halo();
   tile.spill_references_to_dram();
   // 2. Check the samples between two references of a row. Interpolate similar ones, trace the others.
   resolve(tile.lines_along_x());
-  tile.export_below();
-  tile.import_above(resolve);
+  tile.export_lower_border();
+  tile.import_upper_halo(resolve);
   tile.spill_reference_rows_to_dram();
   // 3. Check the samples of all other rows, between samples above and below.
   resolve(tile.lines_along_y());
@@ -99,8 +99,8 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
     ports_of<Similarity>(both) = check;
     ports_of<Interpolate>(both) = interpolate;
     const Wavefront::Node node = graph.launch<CheckThenInterpolate>(both, lines.samples);
-    graph.wait_for_colours(node);
-    graph.wait_for_records(node);
+    graph.wait_for_colour_writers(node);
+    graph.wait_for_record_writers(node);
     check = ports_of<Similarity>(both);
     if (check.passed_count.value != 0) {
       graph.register_colour_writer(node);
@@ -110,13 +110,13 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   }
 
   const Wavefront::Node checked = graph.launch<Similarity>(check, lines.samples);
-  if (kTexture) graph.wait_for_colours(checked);
-  graph.wait_for_records(checked);
+  if (kTexture) graph.wait_for_colour_writers(checked);
+  graph.wait_for_record_writers(checked);
   const std::uint32_t passed = check.passed_count.value, failed = check.failed_count.value;
   if (passed != 0) {
     const Wavefront::Node made = graph.launch<Interpolate>(interpolate, passed, passed + failed);
     graph.wait_for_all(made, checked);
-    graph.wait_for_colours(made);
+    graph.wait_for_colour_writers(made);
     graph.register_colour_writer(made);
     graph.register_record_writer(made);
   }

@@ -40,10 +40,10 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
   if ((flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0)) glass_ = layers_++;
 }
 
-std::uint32_t ReconstructProgram::shaded_bytes() const {
+std::uint32_t ReconstructProgram::shaded_sample_bytes() const {
   return layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + sizeof(ColourRecord<float>));
 }
-std::uint32_t ReconstructProgram::other_bytes() const {
+std::uint32_t ReconstructProgram::unshaded_sample_bytes() const {
   return kOtherSamples * layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>));
 }
 std::uint32_t ReconstructProgram::attribute_bytes() const {
@@ -57,7 +57,7 @@ FrameRequirements ReconstructProgram::requirements() const {
   needs.wave_samples = has_geometry() ? kOtherSamples * pixels : pixels;
   needs.attribute_bytes = reconstruct_.attributes == AttributeStorage::kTile ? pixels * attribute_bytes() : 0;
   needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tiles_.most_pixels() * kPixelBytes,
-                        tiles_.tile_count() * stored_bytes(), 0};
+                        tiles_.tile_count() * stored_bytes_per_tile(), 0};
   return needs;
 }
 
@@ -89,7 +89,7 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   spill_attributes_to_dram(tile);
   // Filter the shaded samples around each sample by geometry. Where colours still differ, shade all four.
   Node made = has_geometry() ? filter_pixels(tile) : copy_shaded_colours(tile);
-  if (tests_colours()) made = shade_contrasts(tile, made);
+  if (tests_colours()) made = shade_contrast_pixels(tile, made);
   graph.write_pixels(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
   wave.finish();
   count_samples(tile);
@@ -109,8 +109,8 @@ VisibleSamples ReconstructProgram::records_to_keep(bool are_shaded) const {
 /// Traces the shaded samples in one rectangle of pixels, and the samples that are not shaded in another.
 void ReconstructProgram::trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const {
   const Node cleared = clear_branches(tile, shaded);
-  trace_shaded(tile, shaded, cleared);
-  if (has_geometry()) trace_others(tile, others, cleared);
+  trace_shaded_samples(tile, shaded, cleared);
+  if (has_geometry()) trace_unshaded_samples(tile, others, cleared);
   if (tile.graph.is_muted()) return;
   const std::uint32_t samples = shaded.pixel_count() + (has_geometry() ? kOtherSamples * others.pixel_count() : 0);
   tile.out.sampling.traced += samples;
@@ -121,7 +121,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
   Node last = Wavefront::kNone;
   for (std::uint32_t b = 1; b < layers_; ++b) {
     ClearBranch::Ports<float> ports;
-    ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
+    ports.lattice = tiles_.rect_sample_lattice(part.x, part.y, part.across);
     ports.lattice.first += static_cast<float>(b * records_per_layer());
     ports.apart = position_count();
     const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
@@ -135,30 +135,30 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
 VisibleRayPorts<float>& ReconstructProgram::bind_rays(VisibleRayPorts<float>& ports, const Tile& tile,
                                                       const PixelRect& part) const {
   bind_pixels(ports, tile);
-  ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
+  ports.lattice = tiles_.rect_sample_lattice(part.x, part.y, part.across);
   return ports;
 }
 
 /// Records to which pixel each sample belongs, including the samples of mirrored and refracted rays.
-void ReconstructProgram::place_samples(Tile& tile, std::uint32_t rays) const {
+void ReconstructProgram::assign_samples_to_pixels(Tile& tile, std::uint32_t rays) const {
   if (!tile.wave.wave_tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
     const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % position_count();
     const std::uint32_t x = tile.at.x + position % tiles_.row_pitch() - tiles_.halo_width();
     const std::uint32_t y = tile.at.y + position / tiles_.row_pitch() - tiles_.halo_width();
     for (std::uint32_t b = 0; b < layers_; ++b)
-      tile.wave.wave_tracer().place_sample(sample + b * records_per_layer(), x, y);
+      tile.wave.wave_tracer().assign_sample_to_pixel(sample + b * records_per_layer(), x, y);
   }
 }
 
-void ReconstructProgram::trace_shaded(Tile& tile, const PixelRect& part, Node cleared) const {
+void ReconstructProgram::trace_shaded_samples(Tile& tile, const PixelRect& part, Node cleared) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
   tile.buffer.reserve_wave(part.pixel_count());
   GenerateShadedRays::Ports<float> ports;
   bind_rays(ports, tile, part);
   const Node generated = graph.launch<GenerateShadedRays>(ports, part.pixel_count());
-  place_samples(tile, part.pixel_count());
+  assign_samples_to_pixels(tile, part.pixel_count());
   graph.register_record_writer(generated);
   RetainedRecords retained;
   retained.visible = records_to_keep(true);
@@ -168,7 +168,7 @@ void ReconstructProgram::trace_shaded(Tile& tile, const PixelRect& part, Node cl
   if (has_geometry()) limit_colours(tile, part);
 }
 
-void ReconstructProgram::trace_others(Tile& tile, const PixelRect& part, Node cleared) const {
+void ReconstructProgram::trace_unshaded_samples(Tile& tile, const PixelRect& part, Node cleared) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kOtherSamples * part.pixel_count();
@@ -177,7 +177,7 @@ void ReconstructProgram::trace_others(Tile& tile, const PixelRect& part, Node cl
   bind_rays(ports, tile, part);
   ports.apart = static_cast<float>(position_count());
   const Node generated = graph.launch<GenerateVisibleRays>(ports, items);
-  place_samples(tile, items);
+  assign_samples_to_pixels(tile, items);
   graph.register_record_writer(generated);
   RetainedRecords retained;
   retained.visible = records_to_keep(false);
@@ -189,10 +189,10 @@ void ReconstructProgram::trace_others(Tile& tile, const PixelRect& part, Node cl
 void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const {
   const auto launch = [&]<std::uint32_t kBranches> {
     typename LimitColours<kBranches>::template Ports<float> ports;
-    ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
+    ports.lattice = tiles_.rect_sample_lattice(part.x, part.y, part.across);
     ports.branch = records_per_layer();
     const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixel_count());
-    tile.graph.wait_for_colours(limited);
+    tile.graph.wait_for_colour_writers(limited);
     if (!tile.graph.is_muted()) tile.graph.replace_colour_writers(limited);
   };
   call_with_branch_count(launch);
@@ -208,7 +208,7 @@ ReconstructProgram::Node ReconstructProgram::copy_shaded_colours(Tile& tile) con
   ports.first = tile.finished.first;
   ports.pitch = tile.finished.pitch;
   const Node shown = tile.graph.launch<AverageSamples>(ports, tile.pixels);
-  tile.graph.wait_for_colours(shown);
+  tile.graph.wait_for_colour_writers(shown);
   return shown;
 }
 
@@ -230,8 +230,8 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
   typename Surfaces::template Ports<float> ports;
   bind_filter<Surfaces>(ports, tile);
   Node last = graph.launch<Surfaces>(ports, tile.pixels);
-  graph.wait_for_records(last);
-  graph.wait_for_colours(last);
+  graph.wait_for_record_writers(last);
+  graph.wait_for_colour_writers(last);
   for (std::uint32_t b = 1; b < layers_; ++b) {
     const auto layers_before = static_cast<float>(b * records_per_layer());
     ListBranches::Ports<float> list;
@@ -256,12 +256,13 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
 /// Finds the pixels whose colour changes where the geometry does not, shades their other samples, and averages all
 /// four. The primary rays of these samples are cast again, because before only their geometry was kept. In the tile
 /// buffer the new colours replace the geometry, which the filters no longer need.
-ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
-  return call_with_branch_count([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
+ReconstructProgram::Node ReconstructProgram::shade_contrast_pixels(Tile& tile, Node filtered) const {
+  return call_with_branch_count(
+      [&]<std::uint32_t kBranches> { return shade_contrast_pixels<kBranches>(tile, filtered); });
 }
 
 template <std::uint32_t kBranches>
-ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
+ReconstructProgram::Node ReconstructProgram::shade_contrast_pixels(Tile& tile, Node filtered) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
   typename ListContrasts<kBranches>::template Ports<float> list;
@@ -285,7 +286,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   generate.apart = static_cast<float>(position_count());
   const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
   graph.wait_for_all(generated, listed);
-  place_samples(tile, rays);
+  assign_samples_to_pixels(tile, rays);
   wave.set_cone(cone_uniforms(camera_, 2));  // pixels have four samples, two along a side
   wave.run(generated, rays, {}, lanes);
   sampling.traced += rays;
@@ -297,7 +298,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   average.branch = records_per_layer();
   const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
   graph.wait_for_all(averaged, generated);
-  graph.wait_for_colours(averaged);
+  graph.wait_for_colour_writers(averaged);
   return averaged;
 }
 
@@ -305,12 +306,14 @@ using traces::Region;
 
 /// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The neighbour
 /// computes the final colours of the inner half and also needs its other samples.
-std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
+std::uint32_t ReconstructProgram::exchanged_bytes_per_sample() const {
+  return shaded_sample_bytes() + unshaded_sample_bytes() / 2;
+}
 
 // A tile stores its borders in memory (FinishedTiles), and all attributes if they are kept in DRAM.
-std::uint64_t ReconstructProgram::stored_bytes() const {
+std::uint64_t ReconstructProgram::stored_bytes_per_tile() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
-  return tiles_.stored_samples() * exchanged_bytes() +
+  return tiles_.stored_samples() * exchanged_bytes_per_sample() +
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
@@ -320,10 +323,11 @@ void ReconstructProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();
     const HaloPart inner =
-        part.inner_part(is_left ? reconstruct_.radius : part.across, is_above ? reconstruct_.radius : part.down);
+        part.part_nearest_tile(is_left ? reconstruct_.radius : part.across, is_above ? reconstruct_.radius : part.down);
     if (reconstruct_.halo == Halo::kReload) {
-      tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * exchanged_bytes(),
-                                part.across * part.down * exchanged_bytes());
+      tile.graph.import_samples(part.border,
+                                stored_bytes_per_tile() * part.border.tile + part.first * exchanged_bytes_per_sample(),
+                                part.across * part.down * exchanged_bytes_per_sample());
       tile.graph.pause_recording();
     }
     trace_pixels(tile, {part.x, part.y, part.across, part.down}, {inner.x, inner.y, inner.across, inner.down}, false);
@@ -333,9 +337,10 @@ void ReconstructProgram::fill_halo(Tile& tile) const {
 
 void ReconstructProgram::export_borders(Tile& tile) const {
   if (reconstruct_.halo == Halo::kRetrace) return;
-  const std::uint64_t store = stored_bytes() * tile.at.index;
+  const std::uint64_t store = stored_bytes_per_tile() * tile.at.index;
   tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
-    tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+    tile.graph.export_samples(border, store + first * exchanged_bytes_per_sample(),
+                              samples * exchanged_bytes_per_sample());
   });
 }
 
@@ -345,9 +350,10 @@ void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo_width() : 0);
   const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo_width() : 0);
   const std::uint32_t bytes = across * down * attribute_bytes();
-  const std::uint64_t store = stored_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
+  const std::uint64_t store =
+      stored_bytes_per_tile() * tile.at.index + tiles_.stored_samples() * exchanged_bytes_per_sample();
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
-  tile.graph.wait_for_records(out);
+  tile.graph.wait_for_record_writers(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
   tile.graph.wait_for_all(in, out);
   tile.graph.register_record_writer(in);

@@ -73,11 +73,11 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
   /// Return bytes per pixel in all layers: records and colours of the shaded sample; records of the other samples;
   /// records of all samples.
-  std::uint32_t shaded_bytes() const;
-  std::uint32_t other_bytes() const;
+  std::uint32_t shaded_sample_bytes() const;
+  std::uint32_t unshaded_sample_bytes() const;
   std::uint32_t attribute_bytes() const;
-  std::uint32_t exchanged_bytes() const;
-  std::uint64_t stored_bytes() const;
+  std::uint32_t exchanged_bytes_per_sample() const;
+  std::uint64_t stored_bytes_per_tile() const;
 
   /// Calls f<kBranches>(), where kBranches is the number of colour layers after the first: 0, 1 or 2 (mirrored light,
   /// refracted light).
@@ -92,9 +92,9 @@ class ReconstructProgram final : public FrameProgram {
   VisibleRayPorts<float>& bind_rays(VisibleRayPorts<float>& ports, const Tile& tile, const PixelRect& part) const;
   void trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const;
   Node clear_branches(Tile& tile, const PixelRect& part) const;
-  void place_samples(Tile& tile, std::uint32_t rays) const;
-  void trace_shaded(Tile& tile, const PixelRect& part, Node cleared) const;
-  void trace_others(Tile& tile, const PixelRect& part, Node cleared) const;
+  void assign_samples_to_pixels(Tile& tile, std::uint32_t rays) const;
+  void trace_shaded_samples(Tile& tile, const PixelRect& part, Node cleared) const;
+  void trace_unshaded_samples(Tile& tile, const PixelRect& part, Node cleared) const;
   void limit_colours(Tile& tile, const PixelRect& part) const;
   void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
@@ -104,9 +104,9 @@ class ReconstructProgram final : public FrameProgram {
   template <std::uint32_t kRadius>
   Node launch_filter(Tile& tile) const;
   // The test for pixels whose colour changes where the geometry does not.
-  Node shade_contrasts(Tile& tile, Node filtered) const;
+  Node shade_contrast_pixels(Tile& tile, Node filtered) const;
   template <std::uint32_t kBranches>
-  Node shade_contrasts(Tile& tile, Node filtered) const;
+  Node shade_contrast_pixels(Tile& tile, Node filtered) const;
   template <class K>
   void bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const;
   // Counts and debug pictures.

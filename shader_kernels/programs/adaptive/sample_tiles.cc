@@ -46,7 +46,7 @@ std::vector<std::uint32_t> SampleTiles::rendering_order(Halo halo) const {
   return order;
 }
 
-HaloPart HaloPart::inner_part(std::uint32_t columns, std::uint32_t rows) const {
+HaloPart HaloPart::part_nearest_tile(std::uint32_t columns, std::uint32_t rows) const {
   HaloPart part = *this;
   part.across = std::min(across, columns);
   part.down = std::min(down, rows);
@@ -80,7 +80,8 @@ FinishedUniforms<float> FinishedTiles::finished_uniforms(const SampleTile& at, c
           .high_y = at.has_below ? height + reach - 1.0F : height - 1.0F};
 }
 
-LatticeUniforms<float> FinishedTiles::rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
+LatticeUniforms<float> FinishedTiles::rect_sample_lattice(std::uint32_t x, std::uint32_t y,
+                                                          std::uint32_t across) const {
   return {.first = static_cast<float>(y * row_pitch() + x),
           .across = static_cast<float>(across),
           .inverse_across = 1.0F / static_cast<float>(across),

@@ -57,7 +57,7 @@ struct HaloPart {
   std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of the rectangle's first sample
   std::uint32_t across = 0, down = 0;
   /// Returns the part of the rectangle nearest to the tile: the last `columns` columns of the last `rows` rows.
-  HaloPart inner_part(std::uint32_t columns, std::uint32_t rows) const;
+  HaloPart part_nearest_tile(std::uint32_t columns, std::uint32_t rows) const;
 };
 
 /// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, although a tile
@@ -94,7 +94,7 @@ class FinishedTiles {
   /// Returns for which pixels a tile computes the final colours, and where their samples are in the tile buffer.
   FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
   /// Returns the indices of the samples in a rectangle of the tile buffer that begins at (x, y).
-  LatticeUniforms<float> rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
+  LatticeUniforms<float> rect_sample_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   /// Returns the number of samples that a tile stores in memory for its neighbours.
   std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * tile_side(); }

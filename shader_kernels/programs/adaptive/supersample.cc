@@ -29,10 +29,10 @@ FrameRequirements SupersampleProgram::requirements() const {
   needs.tile_samples = std::max(samples, kChunk * kExtra);
   needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
   if (supersample_.propagate != 0) needs.attribute_bytes += dma_waiting_bytes();
-  needs.region_bytes = {
-      std::uint64_t{tiles_.tile_count()} * tile_pixels() * kPixelBytes,
-      supersample_.propagate == 0 ? tiles_.tile_count() * stored_bytes() : fresh_flag_address(tiles_.tile_count(), 1),
-      0};
+  needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tile_pixels() * kPixelBytes,
+                        supersample_.propagate == 0 ? tiles_.tile_count() * stored_bytes_per_tile()
+                                                    : fresh_flag_address(tiles_.tile_count(), 1),
+                        0};
   return needs;
 }
 
@@ -75,8 +75,8 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   const Node tested = test_pixels(tile);
   const Node weighed = weigh_centres(tile, tested);
   // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
-  if (supersample_.propagate != 0) store_inactive(tile);
-  const Node averaged = sample_active(tile, tested, weighed);
+  if (supersample_.propagate != 0) store_inactive_subpixels(tile);
+  const Node averaged = sample_active_subpixels(tile, tested, weighed);
   graph.write_pixels(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
   if (supersample_.propagate != 0) write_subpixels(tile);
   wave.finish();
@@ -91,7 +91,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
-  list.lattice = tiles_.rect_samples(x, y, across);
+  list.lattice = tiles_.rect_sample_lattice(x, y, across);
   const Node listed = graph.launch<ListSamples>(list, items);
 
   buffer.reserve_wave(items);
@@ -125,7 +125,7 @@ std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const 
 }
 
 /// Returns the index of the sample at the centre of a pixel that the tile finishes.
-std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
+std::size_t SupersampleProgram::centre_sample_index(const Tile& tile, std::uint32_t pixel) {
   const DivMod<float> row = row_and_column<float>(static_cast<float>(pixel), tile.finished);
   return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
 }
@@ -144,8 +144,8 @@ SupersampleProgram::Node SupersampleProgram::test_pixels(Tile& tile) const {
   ports.focus = supersample_.focus ? traces::kFocusObject : 0;
   ports.textured = ports.focus | kTexturedObject;
   const Node node = tile.graph.launch<TestSubpixels>(ports, 4 * tile.pixels);
-  tile.graph.wait_for_records(node);
-  tile.graph.wait_for_colours(node);
+  tile.graph.wait_for_record_writers(node);
+  tile.graph.wait_for_colour_writers(node);
   return node;
 }
 
@@ -182,7 +182,7 @@ void SupersampleProgram::count_samples(Tile& tile) const {
     }
     out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
     sampling.active[active] += 1;
-    if (tile.buffer.subpixels.traits[centre_of(tile, pixel)].object == kNoObject)
+    if (tile.buffer.subpixels.traits[centre_sample_index(tile, pixel)].object == kNoObject)
       sampling.background += kExtra * (4 - active);
   }
 }
@@ -198,7 +198,7 @@ constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + size
 
 // A tile stores in memory: its last two columns, row by row, so that they end with the corner; its last two rows; all
 // attributes, if they are kept in DRAM; the samples of active sub-pixels, if all must be traced before they are summed.
-std::uint64_t SupersampleProgram::stored_bytes() const {
+std::uint64_t SupersampleProgram::stored_bytes_per_tile() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   return tiles_.stored_samples() * kExchangedBytes +
@@ -211,7 +211,7 @@ std::uint64_t SupersampleProgram::stored_bytes() const {
 void SupersampleProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
-      tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * kExchangedBytes,
+      tile.graph.import_samples(part.border, stored_bytes_per_tile() * part.border.tile + part.first * kExchangedBytes,
                                 part.across * part.down * kExchangedBytes);
       tile.graph.pause_recording();
     }
@@ -222,7 +222,7 @@ void SupersampleProgram::fill_halo(Tile& tile) const {
 
 void SupersampleProgram::export_borders(Tile& tile) const {
   if (supersample_.halo == Halo::kRetrace) return;
-  const std::uint64_t store = stored_bytes() * tile.at.index;
+  const std::uint64_t store = stored_bytes_per_tile() * tile.at.index;
   tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
     tile.graph.export_samples(border, store + first * kExchangedBytes, samples * kExchangedBytes);
   });
@@ -233,9 +233,9 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
   const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
-  const std::uint64_t store = stored_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
+  const std::uint64_t store = stored_bytes_per_tile() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
-  tile.graph.wait_for_records(out);
+  tile.graph.wait_for_record_writers(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
   tile.graph.wait_for_all(in, out);
   tile.graph.register_record_writer(in);
@@ -243,31 +243,32 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
 
 /// Samples the active sub-pixels after nodes `tested` and `weighed`. Returns the launch that completes the tile's
 /// pixels.
-SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
+SupersampleProgram::Node SupersampleProgram::sample_active_subpixels(Tile& tile, Node tested, Node weighed) const {
   std::vector<Chunk> chunks;
-  const Node packed = list_active(tile, tested, chunks);
+  const Node packed = list_active_subpixels(tile, tested, chunks);
   Node summed = weighed;
   std::uint32_t subpixels = 0;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   for (const Chunk& chunk : chunks) {
     const std::uint32_t first_sample = centre_samples() + (is_spilt ? kExtra * chunk.first : 0);
     trace_chunk(tile, chunk, first_sample, packed);
-    if (supersample_.propagate != 0) store_active(tile, chunk, first_sample, 0);
+    if (supersample_.propagate != 0) store_active_subpixels(tile, chunk, first_sample, 0);
     is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_chunk(tile, chunk, weighed));
     tile.out.sampling.padding += chunk.padding;
     subpixels += chunk.subpixels;
   }
   tile.out.sampling.traced += kExtra * std::uint64_t{subpixels};
-  if (is_spilt && subpixels != 0) summed = sum_from_memory(tile, subpixels, weighed);
+  if (is_spilt && subpixels != 0) summed = sum_samples_from_memory(tile, subpixels, weighed);
   return summed;
 }
 
-SupersampleProgram::Node SupersampleProgram::list_active(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
+SupersampleProgram::Node SupersampleProgram::list_active_subpixels(Tile& tile, Node tested,
+                                                                   std::vector<Chunk>& chunks) const {
   switch (supersample_.packing) {
     case Packing::kBlock:
-      return pack_by_block(tile, tested, chunks);
+      return pack_subpixels_by_block(tile, tested, chunks);
     case Packing::kAtomic:
-      return pack_by_atomics(tile, tested, chunks);
+      return pack_subpixels_by_atomics(tile, tested, chunks);
     case Packing::kNone:
       break;
   }
@@ -275,7 +276,8 @@ SupersampleProgram::Node SupersampleProgram::list_active(Tile& tile, Node tested
   return tested;
 }
 
-SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
+SupersampleProgram::Node SupersampleProgram::pack_subpixels_by_block(Tile& tile, Node tested,
+                                                                     std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t across = (tile.out.width + kBlockWidth - 1) / kBlockWidth;
   const std::uint32_t down = (tile.out.height + kBlockHeight - 1) / kBlockHeight;
@@ -300,8 +302,8 @@ SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node test
   return node;
 }
 
-SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node tested,
-                                                             std::vector<Chunk>& chunks) const {
+SupersampleProgram::Node SupersampleProgram::pack_subpixels_by_atomics(Tile& tile, Node tested,
+                                                                       std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t subpixels = 4 * tile.pixels;
   // A stride near the golden section, so that neighbours in the list are far apart in the picture.
@@ -368,10 +370,10 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32
   generate.seed = jitter_seed(frame_);
   const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
   graph.wait_for_all(generated, after);
-  graph.wait_for_colours(generated);  // the ray slots are free when all colours have been added
+  graph.wait_for_colour_writers(generated);  // the ray slots are free when all colours have been added
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < items; ++i) {
     const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
-    wave.wave_tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
+    wave.wave_tracer().assign_ray_to_pixel(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
   }
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
@@ -381,10 +383,10 @@ void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint64_t offset =
-      stored_bytes() * (tile.at.index + 1) -
+      stored_bytes_per_tile() * (tile.at.index + 1) -
       (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);
   const Node out = graph.add_transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
-  graph.wait_for_colours(out);
+  graph.wait_for_colour_writers(out);
   graph.replace_colour_writers(out);
 }
 
@@ -395,12 +397,13 @@ SupersampleProgram::Node SupersampleProgram::sum_chunk(Tile& tile, const Chunk& 
                      chunk.first, weighed);
 }
 
-SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
-  const std::uint64_t offset =
-      stored_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
+SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile, std::uint32_t subpixels,
+                                                                     Node weighed) const {
+  const std::uint64_t offset = stored_bytes_per_tile() * (tile.at.index + 1) -
+                               std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
   const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
   const Node in = tile.graph.add_transfer(traces::Region::kSamples, false, offset, bytes);
-  tile.graph.wait_for_colours(in);
+  tile.graph.wait_for_colour_writers(in);
   tile.graph.replace_colour_writers(in);
   ListSamples::Ports<float> list;
   list.samples.bind(tile.buffer.subpixels.masters.entries.data());
@@ -425,7 +428,7 @@ SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32
   ports.first_sample = static_cast<float>(centre_samples()) - static_cast<float>(kExtra * first_index);
   const Node node = tile.graph.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
   tile.graph.wait_for_all(node, weighed);
-  tile.graph.wait_for_colours(node);
+  tile.graph.wait_for_colour_writers(node);
   tile.graph.replace_colour_writers(node);
   return node;
 }

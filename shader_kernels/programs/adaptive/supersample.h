@@ -18,17 +18,17 @@
 namespace kernels {
 
 /// Colours and states of all sub-pixels of a picture, kept between rounds of propagation. A round reads the results of
-/// earlier rounds. Its own results are collected, and apply_round() applies them after all tiles of the round.
-class ShownSubpixels {
+/// earlier rounds. Its own results are collected, and apply_round_results() applies them after all tiles of the round.
+class PropagationState {
  public:
   /// `tiles` is the number of tiles of the picture. All sub-pixels are inactive at first.
-  ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
+  PropagationState(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
   /// Stores the sub-pixels of a tile before the first round.
-  void set_all(std::uint32_t tile, const std::vector<ShownSubpixel>& all);
-  /// Adds sub-pixels that this round made active in a tile. apply_round() applies them.
-  void add_found(std::uint32_t tile, const std::vector<ShownSubpixel>& found);
-  void apply_round();
+  void store_initial_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& all);
+  /// Adds sub-pixels that this round made active in a tile. apply_round_results() applies them.
+  void add_activated_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& found);
+  void apply_round_results();
 
   /// True if the last applied round made sub-pixels of the tile active.
   bool is_newly_active(std::uint32_t tile) const { return fresh_[tile] != 0; }
@@ -46,14 +46,14 @@ class ShownSubpixels {
   }
 
  private:
-  void store_subpixels(const std::vector<ShownSubpixel>& subpixels);
+  void store_subpixels(const std::vector<PropagationSubpixel>& subpixels);
 
   const std::uint32_t width_, height_;         ///< size of the picture in sub-pixels
   std::vector<SubpixelRecord<float>> states_;  ///< states of all sub-pixels, surrounded by inactive ones
   std::vector<glm::vec3> colours_;
   std::vector<std::uint8_t> is_background_;
   std::vector<std::uint8_t> fresh_, next_fresh_;  ///< per tile: the last round, or this round, made sub-pixels active
-  std::vector<ShownSubpixel> found_;
+  std::vector<PropagationSubpixel> found_;
 };
 
 /// Frame program supersample (Jin et al. 2009). Every pixel has one sample at its centre. Each of its four sub-pixels
@@ -118,7 +118,7 @@ class SupersampleProgram final : public FrameProgram {
 
   std::uint32_t centre_samples() const { return tiles_.buffer_samples(); }
   std::uint32_t tile_pixels() const { return tiles_.most_pixels(); }
-  std::uint64_t stored_bytes() const;
+  std::uint64_t stored_bytes_per_tile() const;
   void begin_tile(const SampleTile& at, TileResult& out) const;
   Tile make_tile(const SampleTile& at, Wavefront& wave, TileResult& out) const;
 
@@ -126,7 +126,7 @@ class SupersampleProgram final : public FrameProgram {
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
   std::array<float, kAttributes> attribute_thresholds() const;
-  static std::size_t centre_of(const Tile& tile, std::uint32_t pixel);
+  static std::size_t centre_sample_index(const Tile& tile, std::uint32_t pixel);
   Node test_pixels(Tile& tile) const;
   Node weigh_centres(Tile& tile, Node tested) const;
   template <bool kBilinear>
@@ -139,33 +139,33 @@ class SupersampleProgram final : public FrameProgram {
   void spill_attributes_to_dram(Tile& tile) const;
 
   // Samples of active sub-pixels.
-  Node sample_active(Tile& tile, Node tested, Node weighed) const;
-  Node list_active(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
-  Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
-  Node pack_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node sample_active_subpixels(Tile& tile, Node tested, Node weighed) const;
+  Node list_active_subpixels(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node pack_subpixels_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node pack_subpixels_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   void chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chunks) const;
   void trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
   void spill_chunk(Tile& tile, const Chunk& chunk) const;
   Node sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const;
-  Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
+  Node sum_samples_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
   Node sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding,
                    std::uint32_t first_index, Node weighed) const;
 
   // Rounds of propagation (supersample_rounds.cc).
   std::uint32_t subpixel_bytes() const;
   static std::uint32_t dma_waiting_bytes();
-  std::uint64_t shown_address(std::uint32_t tile) const;
+  std::uint64_t subpixel_data_address(std::uint32_t tile) const;
   std::uint64_t fresh_flag_address(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
-  static ShownSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
-  void store_inactive(Tile& tile) const;
-  void store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
+  static PropagationSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
+  void store_inactive_subpixels(Tile& tile) const;
+  void store_active_subpixels(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
   void write_subpixels(Tile& tile) const;
   bool has_newly_active_neighbour(const SampleTile& at, auto&& read) const;
   void run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
-  Node read_states(Tile& tile, Node before) const;
+  Node read_subpixel_states(Tile& tile, Node before) const;
   void propagate_round(Tile& tile, std::uint32_t round, Node before) const;
-  void write_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels, std::uint32_t round) const;
+  void write_corrected_pixels(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels, std::uint32_t round) const;
   void load_other_subpixels(Tile& tile, std::uint32_t pixel) const;
   void recount_pixel(std::uint32_t pixel, const TileResult& tile);
 
@@ -176,7 +176,7 @@ class SupersampleProgram final : public FrameProgram {
   const FinishedTiles tiles_;
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
-  ShownSubpixels shown_;  ///< sub-pixels of the picture; empty if there are no rounds of propagation
+  PropagationState shown_;  ///< sub-pixels of the picture; empty if there are no rounds of propagation
 };
 
 }  // namespace kernels

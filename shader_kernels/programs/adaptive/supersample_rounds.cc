@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-ShownSubpixels::ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles)
+PropagationState::PropagationState(std::uint32_t width, std::uint32_t height, std::uint32_t tiles)
     : width_(2 * width),
       height_(2 * height),
       states_((std::size_t{width_} + 2) * (std::size_t{height_} + 2)),
@@ -17,32 +17,32 @@ ShownSubpixels::ShownSubpixels(std::uint32_t width, std::uint32_t height, std::u
       fresh_(tiles),
       next_fresh_(tiles) {}
 
-void ShownSubpixels::set_all(std::uint32_t tile, const std::vector<ShownSubpixel>& all) {
-  const auto is_active = [](const ShownSubpixel& s) { return s.state.blue_why >> kRoundShift != 0; };
+void PropagationState::store_initial_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& all) {
+  const auto is_active = [](const PropagationSubpixel& s) { return s.state.blue_why >> kRoundShift != 0; };
   next_fresh_[tile] = std::ranges::any_of(all, is_active) ? 1 : 0;
   store_subpixels(all);
 }
 
-void ShownSubpixels::add_found(std::uint32_t tile, const std::vector<ShownSubpixel>& found) {
+void PropagationState::add_activated_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& found) {
   next_fresh_[tile] = found.empty() ? 0 : 1;
   found_.insert(found_.end(), found.begin(), found.end());
 }
 
-void ShownSubpixels::apply_round() {
+void PropagationState::apply_round_results() {
   store_subpixels(found_);
   found_.clear();
   fresh_.swap(next_fresh_);
 }
 
-void ShownSubpixels::store_subpixels(const std::vector<ShownSubpixel>& subpixels) {
-  for (const ShownSubpixel& s : subpixels) {
+void PropagationState::store_subpixels(const std::vector<PropagationSubpixel>& subpixels) {
+  for (const PropagationSubpixel& s : subpixels) {
     states_[std::size_t{s.y + 1} * (width_ + 2) + s.x + 1] = s.state;
     colours_[std::size_t{s.y} * width_ + s.x] = s.colour;
     is_background_[std::size_t{s.y} * width_ + s.x] = s.is_background ? 1 : 0;
   }
 }
 
-std::uint32_t ShownSubpixels::active_subpixel_count(std::uint32_t x, std::uint32_t y) const {
+std::uint32_t PropagationState::active_subpixel_count(std::uint32_t x, std::uint32_t y) const {
   std::uint32_t active = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const std::size_t at = std::size_t{2 * y + i / 2 + 1} * (width_ + 2) + 2 * x + i % 2 + 1;
@@ -51,8 +51,8 @@ std::uint32_t ShownSubpixels::active_subpixel_count(std::uint32_t x, std::uint32
   return active;
 }
 
-void ShownSubpixels::copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
-                                 SubpixelRecord<float>* to) const {
+void PropagationState::copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
+                                   SubpixelRecord<float>* to) const {
   for (std::uint32_t row = 0; row < height + 2; ++row) {
     to = std::copy_n(states_.data() + std::size_t{y + row} * (width_ + 2) + x, width + 2, to);
   }
@@ -79,11 +79,11 @@ std::uint32_t SupersampleProgram::subpixel_bytes() const { return 4 * tile_pixel
 /// Returns the address of the states of a tile's sub-pixels; their colours follow them. After the data of all tiles are
 /// two arrays with a byte per tile, for even and odd rounds. The byte records whether the round made sub-pixels of the
 /// tile active.
-std::uint64_t SupersampleProgram::shown_address(std::uint32_t tile) const {
-  return tiles_.tile_count() * stored_bytes() + std::uint64_t{tile} * subpixel_bytes();
+std::uint64_t SupersampleProgram::subpixel_data_address(std::uint32_t tile) const {
+  return tiles_.tile_count() * stored_bytes_per_tile() + std::uint64_t{tile} * subpixel_bytes();
 }
 std::uint64_t SupersampleProgram::fresh_flag_address(std::uint32_t tile, std::uint32_t round) const {
-  return shown_address(tiles_.tile_count()) + std::uint64_t{round % 2} * tiles_.tile_count() + tile;
+  return subpixel_data_address(tiles_.tile_count()) + std::uint64_t{round % 2} * tiles_.tile_count() + tile;
 }
 
 StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
@@ -95,8 +95,9 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
 /// Other data of sub-pixels reuse the slots of finished rays.
 std::uint32_t SupersampleProgram::dma_waiting_bytes() { return kChunk * kShownBytes; }
 
-/// Writes colours and states of all sub-pixels as if none were active. apply_round() later overwrites the active ones.
-void SupersampleProgram::store_inactive(Tile& tile) const {
+/// Writes colours and states of all sub-pixels as if none were active. apply_round_results() later overwrites the
+/// active ones.
+void SupersampleProgram::store_inactive_subpixels(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;
     ports.finished = tile.finished;
@@ -105,18 +106,18 @@ void SupersampleProgram::store_inactive(Tile& tile) const {
   };
   const Node node =
       supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{}) : launch(ShowSubpixels<false>{});
-  tile.graph.wait_for_colours(node);
+  tile.graph.wait_for_colour_writers(node);
   tile.graph.register_colour_writer(node);
-  tile.shown =
-      tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.shown = tile.graph.add_transfer(Region::kSamples, true, subpixel_data_address(tile.at.index),
+                                       4 * tile.pixels * kShownBytes);
   tile.graph.wait_for_all(tile.shown, node);
   tile.graph.register_colour_writer(tile.shown);
 }
 
 /// Stores colours and states of a chunk's sub-pixels, whose samples begin at `first_sample`. Before the first round
 /// they are also written to memory.
-void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample,
-                                      std::uint32_t round) const {
+void SupersampleProgram::store_active_subpixels(Tile& tile, const Chunk& chunk, std::uint32_t first_sample,
+                                                std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
   SettleSubpixels::Ports<float> ports;
   ports.grid = state_uniforms(tile);
@@ -125,10 +126,10 @@ void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint3
   ports.first_sample = static_cast<float>(first_sample);
   ports.round = (round + 1) << kRoundShift;
   const Node node = tile.graph.launch<SettleSubpixels>(ports, chunk.subpixels);
-  tile.graph.wait_for_colours(node);
+  tile.graph.wait_for_colour_writers(node);
   tile.graph.register_colour_writer(node);
   if (round != 0) return;
-  const std::uint64_t store = shown_address(tile.at.index);
+  const std::uint64_t store = subpixel_data_address(tile.at.index);
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
   tile.graph.wait_for_all(out, node);
   tile.graph.wait_for_all(out, tile.shown);
@@ -136,7 +137,7 @@ void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint3
 }
 
 /// Returns the colour and state of one of the tile's sub-pixels, from the tile buffer.
-ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
+PropagationSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
   const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
   const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
   const std::uint32_t pitch = 2 * tile.out.width + 2;
@@ -149,20 +150,20 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
 
 /// Writes colours and states of all the tile's sub-pixels to memory.
 void SupersampleProgram::write_subpixels(Tile& tile) const {
-  const Node out =
-      tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
-  tile.graph.wait_for_colours(out);
+  const Node out = tile.graph.add_transfer(Region::kSamples, true, subpixel_data_address(tile.at.index),
+                                           4 * tile.pixels * kShownBytes);
+  tile.graph.wait_for_colour_writers(out);
   const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_flag_address(tile.at.index, 0), 1);
   tile.graph.wait_for_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
-    ShownSubpixel shown = shown_subpixel(tile, i);
-    shown.is_background = tile.buffer.subpixels.traits[centre_of(tile, i / 4)].object == kNoObject;
+    PropagationSubpixel shown = shown_subpixel(tile, i);
+    shown.is_background = tile.buffer.subpixels.traits[centre_sample_index(tile, i / 4)].object == kNoObject;
     tile.out.subpixels.push_back(shown);
   }
 }
 
 void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& /*tracer*/) {
-  if (tile_index >= tiles_.tile_count()) shown_.apply_round();
+  if (tile_index >= tiles_.tile_count()) shown_.apply_round_results();
 }
 
 /// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
@@ -210,13 +211,14 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
 }
 
 /// Reads from memory the states of the tile's sub-pixels and of those next to the tile.
-SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before) const {
+SupersampleProgram::Node SupersampleProgram::read_subpixel_states(Tile& tile, Node before) const {
   const TileResult& out = tile.out;
   shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.subpixels.states.data());
   const std::uint32_t index = tile.at.index;
   const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
     if (!has) return;
-    const Node in = tile.graph.add_transfer(Region::kSamples, false, shown_address(from), subpixels * kStateBytes);
+    const Node in =
+        tile.graph.add_transfer(Region::kSamples, false, subpixel_data_address(from), subpixels * kStateBytes);
     tile.graph.wait_for_all(in, before);
     before = in;
   };
@@ -237,7 +239,7 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
   ports.last_master.value = -1;
   ports.thresholds = attribute_thresholds();
   ports.round = round << kRoundShift;
-  const Node in = read_states(tile, before);
+  const Node in = read_subpixel_states(tile, before);
   const Node found = tile.graph.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
   tile.graph.wait_for_all(found, in);
   const std::uint32_t subpixels = ports.active_count.value;
@@ -246,25 +248,25 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
   for (std::uint32_t first = 0; first < subpixels; first += kChunk) {
     const Chunk chunk{.first = first, .subpixels = std::min(kChunk, subpixels - first)};
     trace_chunk(tile, chunk, 0, found);
-    store_active(tile, chunk, 0, round);
+    store_active_subpixels(tile, chunk, 0, round);
   }
   tile.out.sampling.propagated = subpixels;
   tile.out.sampling.traced = tile.out.sampling.correction = std::uint64_t{kExtra} * subpixels;
   for (std::uint32_t i = 0; i < subpixels; ++i)
     tile.out.subpixels.push_back(shown_subpixel(tile, buffer.subpixels.active[i]));
-  write_corrected(tile, ports.masters_count.value, subpixels, round);
+  write_corrected_pixels(tile, ports.masters_count.value, subpixels, round);
 }
 
 /// Averages the listed pixels again. Writes them and the newly sampled sub-pixels to memory.
-void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
-                                         std::uint32_t round) const {
+void SupersampleProgram::write_corrected_pixels(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
+                                                std::uint32_t round) const {
   TileGraph& graph = tile.graph;
   TileResult& out = tile.out;
   const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
   const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
-  const std::uint64_t store = shown_address(tile.at.index);
+  const std::uint64_t store = subpixel_data_address(tile.at.index);
   const Node in = graph.add_transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
-  graph.wait_for_colours(in);
+  graph.wait_for_colour_writers(in);
   out.linear.resize(pixels);
   out.packed.resize(pixels);
   for (std::uint32_t i = 0; i < pixels; ++i) load_other_subpixels(tile, tile.buffer.subpixels.masters.entries[i]);
@@ -306,11 +308,11 @@ void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) c
 void SupersampleProgram::commit_tile(const TileResult& tile) {
   FrameProgram::commit_tile(tile);
   if (supersample_.propagate == 0) return;
-  if (tile.tile < tiles_.tile_count()) return shown_.set_all(tile.tile, tile.subpixels);
-  shown_.add_found(tile.tile % tiles_.tile_count(), tile.subpixels);
+  if (tile.tile < tiles_.tile_count()) return shown_.store_initial_subpixels(tile.tile, tile.subpixels);
+  shown_.add_activated_subpixels(tile.tile % tiles_.tile_count(), tile.subpixels);
   Sampling& sampling = mutable_sampling();
   sampling.background += tile.background.size();
-  for (const ShownSubpixel& s : tile.subpixels) {
+  for (const PropagationSubpixel& s : tile.subpixels) {
     if (shown_.is_background(s.x, s.y)) sampling.background -= kExtra;
   }
   for (std::size_t i = 0; i < tile.corrected.size(); ++i) {

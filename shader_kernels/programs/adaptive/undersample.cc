@@ -30,7 +30,7 @@ void PostCorrection::store_samples(const TileResult& tile, const SampleTile& at)
   if (scan_count() == 0) return;
   for (std::uint32_t row = 0; row < at.height; ++row) {
     for (std::uint32_t column = 0; column < at.width; ++column) {
-      const ShownSample& sample = tile.shown[std::size_t{row} * at.width + column];
+      const CorrectionSample& sample = tile.shown[std::size_t{row} * at.width + column];
       identities_[sample_index(at.x + column, at.y + row)] = sample.identity;
       colours_[std::size_t{at.y + row} * width_ + at.x + column] = sample.colour;
     }
@@ -144,16 +144,16 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
     } else if (verdict.passed != 0) {
       tile.wave.shade_interpolated<false>(lines.uniforms, verdict.passed, checked, verdict.node);
     }
-    tile.trace_failed(lines, verdict);
+    tile.trace_failed_samples(lines, verdict);
   };
 
   tile.trace_references();
-  tile.export_right();  // exported before the imports, which keeps chains of waiting tiles short
-  tile.import_left();
+  tile.export_right_border();  // exported before the imports, which keeps chains of waiting tiles short
+  tile.import_left_halo();
   tile.spill_references_to_dram();
   resolve(tile.lines_along_x());
-  tile.export_below();
-  tile.import_above(resolve);
+  tile.export_lower_border();
+  tile.import_upper_halo(resolve);
   tile.spill_reference_rows_to_dram();
   resolve(tile.lines_along_y());
   average_pixels(tile);
@@ -184,7 +184,7 @@ Verdict UndersampleProgram::launch_check(BlockTile& tile, const BlockLines& line
   ports.texture = static_cast<float>(undersample_.texture);
   ports.colour_squared = colour * colour;
   const Wavefront::Node node = tile.graph.launch<K>(ports, lines.samples);
-  tile.graph.wait_for_records(node);
+  tile.graph.wait_for_record_writers(node);
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
@@ -208,18 +208,18 @@ template <class K>
 Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   typename K::template Ports<float> ports;
   if constexpr (requires { ports.lattice; }) {
-    ports.lattice = blocks_.own_samples(tile.at);
+    ports.lattice = blocks_.own_sample_lattice(tile.at);
   } else {
-    ports_of<TakeGridSample>(ports).lattice = blocks_.own_samples(tile.at);
-    ports_of<typename K::Identities>(ports).lattice = blocks_.own_samples(tile.at);
+    ports_of<TakeGridSample>(ports).lattice = blocks_.own_sample_lattice(tile.at);
+    ports_of<typename K::Identities>(ports).lattice = blocks_.own_sample_lattice(tile.at);
   }
   const std::uint32_t samples = tile.at.width * tile.at.height;
   const Wavefront::Node node = tile.graph.launch<K>(ports, samples);
-  tile.graph.wait_for_records(node);
+  tile.graph.wait_for_record_writers(node);
   const Wavefront::Node out = tile.graph.add_transfer(traces::Region::kSamples, true, scan_address(tile.at.index),
                                                       samples * scan_bytes_per_sample());
   tile.graph.wait_for_all(out, node);
-  tile.graph.wait_for_colours(out);
+  tile.graph.wait_for_colour_writers(out);
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
     const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.row_pitch() + i % tile.at.width + 1;
@@ -286,7 +286,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
                                                      : blocks_.grid_uniforms(static_cast<float>(first.x), 0, pitch);
     Wavefront wave(blocks_.scene, tracer, false, blocks_.ray_cone(), scratch);
     const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
-    list_suspects(suspects, scratch, sample);
+    list_suspect_samples(suspects, scratch, sample);
     trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
     PostCorrection::Found found;
     for (const PostCorrection::Suspect& s : suspects) {
@@ -308,8 +308,8 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
 }
 
 template <class Sample>
-void UndersampleProgram::list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out,
-                                       Sample&& sample) const {
+void UndersampleProgram::list_suspect_samples(std::span<const PostCorrection::Suspect> suspects, TileResult& out,
+                                              Sample&& sample) const {
   std::uint32_t most = 0;
   for (const PostCorrection::Suspect& s : suspects) most = std::max(most, sample(s));
   out.buffer.reserve_samples(std::max(std::size_t{most} + 1, suspects.size()));
@@ -383,8 +383,8 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
 }
 
 Wavefront::Node UndersampleProgram::record_suspect_search(TileGraph& graph, std::uint32_t items) const {
-  return undersample_.neighbours == Neighbourhood::kEight ? graph.record_known<FindSuspects<true>>(items)
-                                                          : graph.record_known<FindSuspects<false>>(items);
+  return undersample_.neighbours == Neighbourhood::kEight ? graph.record_known_launch<FindSuspects<true>>(items)
+                                                          : graph.record_known_launch<FindSuspects<false>>(items);
 }
 
 /// Traces the samples that a scan corrects in a tile, round by round, and writes the corrected pixels. `found` is the
@@ -405,38 +405,39 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
     const std::span round = left.first(static_cast<std::size_t>(end - left.begin()));
     left = left.subspan(round.size());
     const auto items = static_cast<std::uint32_t>(round.size());
-    list_suspects(round, out, [&](const PostCorrection::Suspect& s) {
+    list_suspect_samples(round, out, [&](const PostCorrection::Suspect& s) {
       return (s.y - at.y + 1) * blocks_.row_pitch() + s.x - at.x + 1;
     });
     trace_suspects(wave, out, grid, items, found);
-    const Wavefront::Node stored = undersample_.correct_shadows ? graph.record_known<StoreIdentities<true>>(items)
-                                                                : graph.record_known<StoreIdentities<false>>(items);
-    graph.wait_for_records(stored);
+    const Wavefront::Node stored = undersample_.correct_shadows
+                                       ? graph.record_known_launch<StoreIdentities<true>>(items)
+                                       : graph.record_known_launch<StoreIdentities<false>>(items);
+    graph.wait_for_record_writers(stored);
     found = record_suspect_search(graph, items);
     graph.wait_for_all(found, stored);
   }
-  write_corrected(graph, at, corrected, pixels, found);
+  write_corrected_pixels(graph, at, corrected, pixels, found);
 }
 
 /// Averages and encodes the corrected pixels, and writes them and their identity words. A scattered pixel costs a
 /// memory line, and all of them together cost at most the whole tile.
-void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
-                                         std::uint32_t corrected_pixels, Wavefront::Node last) const {
+void UndersampleProgram::write_corrected_pixels(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
+                                                std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_address(at.index);
   const std::uint64_t stored = scan_address(at.index + 1) - store;
   Wavefront::Node packed = Wavefront::kNone;
   if (blocks_.scene.fuses && undersample_.samples == 1 && !blocks_.scene.dma_encodes) {
-    packed = graph.record_known<PackGridSample>(corrected_pixels);
-    graph.wait_for_colours(packed);
+    packed = graph.record_known_launch<PackGridSample>(corrected_pixels);
+    graph.wait_for_colour_writers(packed);
   } else {
-    const Wavefront::Node averaged = graph.record_known<AverageSamples>(corrected_pixels * undersample_.samples);
-    graph.wait_for_colours(averaged);
+    const Wavefront::Node averaged = graph.record_known_launch<AverageSamples>(corrected_pixels * undersample_.samples);
+    graph.wait_for_colour_writers(averaged);
     if (undersample_.samples > 1) {
       const Wavefront::Node in = graph.add_transfer(
           Region::kSamples, false, store, scattered_bytes(corrected_pixels * undersample_.pixel_grid_side(), stored));
       graph.wait_for_all(averaged, in);
     }
-    packed = blocks_.scene.dma_encodes ? averaged : graph.record_known<PackColour>(corrected_pixels);
+    packed = blocks_.scene.dma_encodes ? averaged : graph.record_known_launch<PackColour>(corrected_pixels);
     if (packed != averaged) graph.wait_for_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.tile_count();

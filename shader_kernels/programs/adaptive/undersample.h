@@ -114,14 +114,14 @@ class UndersampleProgram final : public FrameProgram {
   std::uint64_t scan_address(std::uint32_t tile) const;
   void run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   template <class Sample>
-  void list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out, Sample&& sample) const;
+  void list_suspect_samples(std::span<const PostCorrection::Suspect> suspects, TileResult& out, Sample&& sample) const;
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,
                       Wavefront::Node lister) const;
   void average_pixel_again(std::uint32_t x, std::uint32_t y);
   Wavefront::Node record_suspect_search(TileGraph& graph, std::uint32_t items) const;
   void correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
-  void write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
-                       Wavefront::Node last) const;
+  void write_corrected_pixels(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
+                              std::uint32_t corrected_pixels, Wavefront::Node last) const;
 
   const UndersampleConfig undersample_;
   const BlockFrame blocks_;

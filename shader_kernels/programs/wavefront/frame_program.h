@@ -49,10 +49,10 @@ class FrameProgram {
   /// Returns the picture with all entries committed so far: linear RGB, row by row.
   virtual const std::vector<float>& picture() const { return picture_; }
   /// Moves the picture out after the last tile of a frame. The next tile begins a new picture.
-  virtual std::vector<float> take_picture() { return std::move(picture_); }
+  virtual std::vector<float> move_picture_out() { return std::move(picture_); }
   virtual const Sampling& sampling() const { return sampling_; }
   /// Makes commit_tile() store the debug marks of samples.
-  virtual void keep_marks() { keeps_marks_ = true; }
+  virtual void enable_marks() { keeps_marks_ = true; }
   /// Returns the debug marks of all samples, row by row, with the program's number of marks per pixel. Empty if the
   /// program makes none or they are not stored.
   virtual const std::vector<SampleMark>& sample_marks() const { return marks_; }

@@ -112,7 +112,7 @@ void StreamBuilder::add_wait(Node node, Node for_node, Edge::Kind kind) {
 }
 
 void StreamBuilder::finish() {
-  if (on_) begin_item();
+  if (on_) begin_item_accesses();
   while (work_.nodes.size() > count_) {
     spare_.push_back(std::move(work_.nodes.back()));
     work_.nodes.pop_back();
@@ -128,18 +128,18 @@ TileGraph::TileGraph(const SceneTables& scene, bool record, TileResult& out)
   scratch_.record_writers.clear();
 }
 
-void TileGraph::wait_for_colours(Node node) {
+void TileGraph::wait_for_colour_writers(Node node) {
   for (const Node writer : scratch_.colour_writers) wait_for_all(node, writer);
 }
 
-void TileGraph::wait_for_records(Node node) {
+void TileGraph::wait_for_record_writers(Node node) {
   for (const Node writer : scratch_.record_writers) wait_for_all(node, writer);
 }
 
 void TileGraph::export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
   const Node node = export_border(number, offset, bytes);
-  wait_for_records(node);
-  wait_for_colours(node);
+  wait_for_record_writers(node);
+  wait_for_colour_writers(node);
 }
 
 void TileGraph::import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
@@ -149,7 +149,7 @@ void TileGraph::import_samples(traces::Border border, std::uint64_t offset, std:
 }
 
 void TileGraph::write_pixels(Node averaged, std::uint64_t offset) {
-  if (scene_.dma_encodes) return wait_for_all(write_linear(offset), averaged);
+  if (scene_.dma_encodes) return wait_for_all(write_linear_pixels(offset), averaged);
   const Node packed = launch<PackColour>(static_cast<std::uint32_t>(out_.linear.size()));
   wait_for_all(packed, averaged);
   write_packed_pixels(packed, offset);
@@ -160,7 +160,7 @@ void TileGraph::write_packed_pixels(Node packed, std::uint64_t offset) {
   wait_for_all(add_transfer(traces::Region::kPicture, true, offset, bytes), packed);
 }
 
-TileGraph::Node TileGraph::write_linear(std::uint64_t offset) {
+TileGraph::Node TileGraph::write_linear_pixels(std::uint64_t offset) {
   const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
   PackColour::Ports<float> ports;
   bind_ports<PackColour>(ports, out_, scene_, nullptr);

@@ -27,11 +27,11 @@ class StreamBuilder {
   /// Adds the launch of a kernel. `idle` is the number of inactive loop iterations after its items.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
   /// Begins the accesses of the next item of the last launch, if its memory accesses are listed.
-  void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
+  void begin_item_accesses() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that `item` of the last launch emitted a ray.
-  void add_source(std::uint32_t item) { work_.sources.push_back(item); }
-  /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per call of add_source() since
-  /// the launch.
+  void add_ray_source(std::uint32_t item) { work_.sources.push_back(item); }
+  /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per call of add_ray_source()
+  /// since the launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a node that rasterises `count` samples, whose rays `launch` generated. Its data are the last entry of
@@ -80,15 +80,15 @@ class TileGraph {
   /// Records a launch of kernel K without running the kernel, because the host already has the results. K has no memory
   /// accesses.
   template <class K>
-  Node record_known(std::uint32_t items) {
+  Node record_known_launch(std::uint32_t items) {
     return stream_.add_launch(kKernelId<K>, items, false);
   }
 
   void wait_for_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_item_by_item(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
   /// Make `node` wait for all earlier nodes that add to samples' colours, or for all that write samples' records.
-  void wait_for_colours(Node node);
-  void wait_for_records(Node node);
+  void wait_for_colour_writers(Node node);
+  void wait_for_record_writers(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }
   void register_record_writer(Node node) { scratch_.record_writers.push_back(node); }
   /// Makes `node` the only one to wait for before colours are read. The node must wait for all earlier colour writers.
@@ -113,7 +113,7 @@ class TileGraph {
   /// Writes pixels that node `packed` has encoded to byte `offset` of the picture.
   void write_packed_pixels(Node packed, std::uint64_t offset);
   /// Writes linear pixels, which the DMA encodes, to byte `offset` of the picture. Returns the transfer.
-  Node write_linear(std::uint64_t offset);
+  Node write_linear_pixels(std::uint64_t offset);
 
   /// Stops recording: kernels still run on the host, but their work belongs to another tile.
   void pause_recording() { stream_.set_muted(true); }
@@ -146,11 +146,11 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
   } else {
     for (std::uint32_t i = 0; i < items; ++i) {
-      if constexpr (kReads) stream_.begin_item();
+      if constexpr (kReads) stream_.begin_item_accesses();
       if constexpr (kEmits) {
         const std::uint32_t before = at.emitted.value;
         K::template body<float>(i, at);
-        if (at.emitted.value != before) stream_.add_source(i);
+        if (at.emitted.value != before) stream_.add_ray_source(i);
       } else {
         K::template body<float>(i, at);
       }

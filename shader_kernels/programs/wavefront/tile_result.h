@@ -18,13 +18,13 @@ namespace kernels {
 using traces::kPixelBytes;
 
 /// A sample as post-correction stores it.
-struct ShownSample {
+struct CorrectionSample {
   std::uint32_t identity = 0;
   glm::vec3 colour{};
 };
 
 /// A sub-pixel as supersample stores it for later rounds of propagation.
-struct ShownSubpixel {
+struct PropagationSubpixel {
   std::uint32_t x = 0, y = 0;  ///< position in the picture's grid of sub-pixels
   SubpixelRecord<float> state{};
   glm::vec3 colour{};
@@ -42,16 +42,16 @@ struct TileResult {
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   std::uint64_t continued = 0;  ///< rays that continued after a transparent surface; `rays` includes them
   Sampling sampling;
-  std::vector<SampleMark> marks;          ///< debug marks, per sample or pixel of the tile, row by row
-  std::vector<ShownSample> shown;         ///< the tile's samples, row by row, if a later pass needs them
-  std::vector<ShownSubpixel> subpixels;   ///< all the tile's sub-pixels, or those that a round made active
-  std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours are in `linear`
-  std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
-  std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests of the rays' walks; 0 if not recorded
-  std::uint64_t triangle_tests = 0;       ///< triangle tests among `traversal_steps`
-  bool wants_pixel_work = false;          ///< set before rendering to fill `pixel_work`
-  std::vector<PixelWork> pixel_work;      ///< work per pixel; a pixel may have several entries, or be a neighbour's
-  traces::TileWork work;                  ///< the graph of work, if it is recorded
+  std::vector<SampleMark> marks;               ///< debug marks, per sample or pixel of the tile, row by row
+  std::vector<CorrectionSample> shown;         ///< the tile's samples, row by row, if a later pass needs them
+  std::vector<PropagationSubpixel> subpixels;  ///< all the tile's sub-pixels, or those that a round made active
+  std::vector<std::uint32_t> corrected;        ///< pixels of the picture whose new colours are in `linear`
+  std::vector<std::uint32_t> background;       ///< samples whose primary ray hit nothing, in the order traced
+  std::uint64_t traversal_steps = 0;           ///< node visits and triangle tests of the rays' walks; 0 if not recorded
+  std::uint64_t triangle_tests = 0;            ///< triangle tests among `traversal_steps`
+  bool wants_pixel_work = false;               ///< set before rendering to fill `pixel_work`
+  std::vector<PixelWork> pixel_work;  ///< work per pixel; a pixel may have several entries, or be a neighbour's
+  traces::TileWork work;              ///< the graph of work, if it is recorded
   TileBuffer buffer;
   /// Returns a sample's colour, clamped to [0, 1] as in the mean of its pixel.
   glm::vec3 averaged_colour(std::uint32_t sample) const;

@@ -30,7 +30,7 @@ WaveTracer::WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, T
 
 TracedBatch WaveTracer::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                               bool is_mapped) {
-  TracedBatch batch{trace_once(kind, slots, first, count, maker, is_mapped)};
+  TracedBatch batch{trace_rays_once(kind, slots, first, count, maker, is_mapped)};
   if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
     batch.settled = continue_through_layers(kind, slots, first, count, batch.rays);
   }
@@ -44,15 +44,15 @@ TracedBatch WaveTracer::find_primary_hits(std::uint32_t count, Node maker) {
   tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
   TracedBatch batch;
   if (graph_.is_recording()) {
-    out_.rasteriser->cover_samples({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
+    out_.rasteriser->rasterise_samples({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
     batch.rays = graph_.stream_builder().add_rasterisation(count, maker);
   }
   if (scene_.has_alpha) batch.settled = continue_through_layers(RayKind::kPrimary, wave, 0, count, batch.rays);
   return batch;
 }
 
-WaveTracer::Node WaveTracer::trace_once(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
-                                        Node maker, bool is_mapped) {
+WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
+                                             Node maker, bool is_mapped) {
   const std::size_t first_ray = out_.work.ray_begin.size();
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
   tracer_.trace(std::span(slots.rays).subspan(first, count), kind, std::span(slots.hits).subspan(first, count),
@@ -89,7 +89,7 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
 }
 
 /// Sample numbers are reused: work counted for the pixel that had this number before is moved to the result first.
-void WaveTracer::place_sample(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
+void WaveTracer::assign_sample_to_pixel(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   std::vector<PixelWork>& all = buffer_.scratch.pixel_work;
   if (all.size() <= sample) all.resize(std::size_t{sample} + 1);
   PixelWork& work = all[sample];
@@ -127,7 +127,7 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
     for (std::uint32_t i = 0; counts_pixels() && i < rays; ++i) {
       buffer_.rays.layer.paths[i].sample = slots.paths[first + buffer_.queues.targets.entries[i]].sample;
     }
-    const Node onwards = trace_once(kind, buffer_.rays.layer, 0, rays, settled, true);
+    const Node onwards = trace_rays_once(kind, buffer_.rays.layer, 0, rays, settled, true);
     if (!graph_.is_muted()) out_.continued += rays;
 
     ScatterLayers::Ports<float> scatter;

@@ -32,20 +32,20 @@ class WaveTracer {
   /// rasterisation is recorded instead of rays.
   TracedBatch find_primary_hits(std::uint32_t count, Node maker);
 
-  /// True if the work of each pixel's rays is counted. Programs must then call place_sample().
+  /// True if the work of each pixel's rays is counted. Programs must then call assign_sample_to_pixel().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
   /// Records that the sample of a primary ray of the first wave belongs to pixel (x, y).
-  void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
-    place_sample(buffer_.rays.wave.paths[ray].sample, x, y);
+  void assign_ray_to_pixel(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
+    assign_sample_to_pixel(buffer_.rays.wave.paths[ray].sample, x, y);
   }
   /// Records that a sample belongs to pixel (x, y), for counting its work.
-  void place_sample(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
+  void assign_sample_to_pixel(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
   /// Moves the work counted for all pixels to the result.
   void finish();
 
  private:
-  Node trace_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
-                  bool is_mapped);
+  Node trace_rays_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+                       bool is_mapped);
   void count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths);
   Node continue_through_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
                                Node batch);

@@ -143,19 +143,20 @@ constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 RandomPointUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
   for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
-  return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
+  return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), hash_to_unit_float<float>(mirrored), seed};
 }
 
 /// Records to which pixels the primary rays of listed samples belong.
-void place_listed_samples(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list,
-                          std::uint32_t items) {
+void assign_listed_samples_to_pixels(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list,
+                                     std::uint32_t items) {
   if (!tracer.counts_pixels()) return;
   const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
   const auto x0 = static_cast<std::int32_t>(grid.x0), y0 = static_cast<std::int32_t>(grid.y0);
   for (std::uint32_t i = 0; i < items; ++i) {
     const std::uint32_t sample = list.entries[i];
     const auto column = static_cast<std::int32_t>(sample % pitch), row = static_cast<std::int32_t>(sample / pitch);
-    tracer.place_ray(i, static_cast<std::uint32_t>(x0 + column) / side, static_cast<std::uint32_t>(y0 + row) / side);
+    tracer.assign_ray_to_pixel(i, static_cast<std::uint32_t>(x0 + column) / side,
+                               static_cast<std::uint32_t>(y0 + row) / side);
   }
 }
 
@@ -502,7 +503,7 @@ Node Wavefront::record_local_colour(const WaveBounce& bounce, SlotQueue& queue) 
   const StageInput in{.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes};
   const Node node = launch<RecordLocal<kAfter>>(wave_, bounce, in).node;
   wait_for_bounce(node, bounce);
-  graph_.wait_for_colours(node);
+  graph_.wait_for_colour_writers(node);
   if (!kAfter) graph_.wait_for_all(node, wave_.retained.cleared);
   return node;
 }
@@ -611,13 +612,13 @@ Node Wavefront::generate_listed_rays(GenerateListedRays::Ports<float>& ports, Sa
             ? launch_on_list(type_identity<GenerateSecondary>{}, geometry, type_identity<ClearSecondary>{})
             : launch_on_list(type_identity<GenerateGeometry>{}, geometry);
     retained.cleared = retained.cleared_secondary = node;
-    place_listed_samples(tracer_, ports.grid, list, items);
+    assign_listed_samples_to_pixels(tracer_, ports.grid, list, items);
     graph_.wait_for_all(node, lister);
     graph_.register_record_writer(node);
     return node;
   }
   const Node generated = launch_on_list(type_identity<GenerateListedRays>{});
-  place_listed_samples(tracer_, ports.grid, list, items);
+  assign_listed_samples_to_pixels(tracer_, ports.grid, list, items);
   graph_.wait_for_all(generated, lister);
   const auto clear = [&](auto kernel) {
     const Node node = launch_on_list(kernel);

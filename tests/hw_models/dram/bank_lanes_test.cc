@@ -54,11 +54,12 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
     const std::uint64_t most = seed % 16;
     const auto of = static_cast<std::uint32_t>(sim::hash(seed, 77U)) & first(banks);
     const auto larger = [&](std::uint32_t bank) { return std::max(a[bank], b[bank]); };
-    EXPECT_EQ(a.banks_at_most(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
+    EXPECT_EQ(a.banks_with_value_at_most(most) & first(banks),
+              expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
     EXPECT_EQ(a.banks_with_both_at_most(b, most) & first(banks),
               expected.all_that([&](std::uint32_t i) { return larger(i) <= most; }));
     BankLanes raised = a;
-    raised.raise_to(of, most);
+    raised.raise_to_at_least(of, most);
     for (std::uint32_t i = 0; i < banks; ++i) {
       EXPECT_EQ(raised[i], (of >> i & 1) != 0 ? std::max(a[i], most) : a[i]);
     }
@@ -82,8 +83,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U
 TEST(BankLanes, HoldWhatTakesAllBitsOfACycle) {
   BankLanes lanes(8);
   lanes[5] = std::uint64_t{1} << 62;
-  EXPECT_EQ(lanes.banks_at_most((std::uint64_t{1} << 62) - 1), 0xdfU);
-  EXPECT_EQ(lanes.banks_at_most(std::uint64_t{1} << 62), 0xffU);
+  EXPECT_EQ(lanes.banks_with_value_at_most((std::uint64_t{1} << 62) - 1), 0xdfU);
+  EXPECT_EQ(lanes.banks_with_value_at_most(std::uint64_t{1} << 62), 0xffU);
   EXPECT_EQ(lanes.min_of(1U << 5), std::uint64_t{1} << 62);
   EXPECT_EQ(lanes.min_of(0), kNobody);
 }

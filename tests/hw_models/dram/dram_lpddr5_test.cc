@@ -133,7 +133,7 @@ TEST(Lpddr5, ABurstOf32TakesOneCommand) {
   }
   EXPECT_EQ(earliest(two, kPrecharge, 1, 104), 105U);
   EXPECT_EQ(earliest(one, kPrecharge, 1, 104), 104U);
-  EXPECT_EQ(one.data_cycles(), two.data_cycles()) << "the data are the same";
+  EXPECT_EQ(one.line_transfer_cycles(), two.line_transfer_cycles()) << "the data are the same";
 }
 
 TEST(Lpddr5, BurstsOf32NeedLinesOfAnEvenNumberOfBursts) {

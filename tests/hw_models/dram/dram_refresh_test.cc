@@ -32,12 +32,12 @@ TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
   c.organisation.bank_groups = 4;
   c.organisation.refresh_banks = 2;
   const DramDevice paired(c);
-  EXPECT_EQ(paired.refresh_leader_mask(), 0b0011'0011'0011'0011U);
-  EXPECT_EQ(paired.bank_mask_refreshed_with(5), 1U << 5 | 1U << 7);
+  EXPECT_EQ(paired.refresh_command_bank_mask(), 0b0011'0011'0011'0011U);
+  EXPECT_EQ(paired.refresh_bank_mask_of(5), 1U << 5 | 1U << 7);
   c.organisation.bank_groups = 1;
   const DramDevice halves(c);
-  EXPECT_EQ(halves.refresh_leader_mask(), 0x00FFU);
-  EXPECT_EQ(halves.bank_mask_refreshed_with(5), 1U << 5 | 1U << 13);
+  EXPECT_EQ(halves.refresh_command_bank_mask(), 0x00FFU);
+  EXPECT_EQ(halves.refresh_bank_mask_of(5), 1U << 5 | 1U << 13);
 }
 
 TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {

@@ -21,7 +21,7 @@ class ImportingTiles final : public TileSource {
     }
   }
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
-  void give_back(const traces::TileWork*) override {}
+  void release_work(const traces::TileWork*) override {}
   const traces::TileWork& work(std::uint32_t tile) const { return works_[tile]; }
 
  private:

@@ -18,7 +18,7 @@ class EmptyTiles final : public TileSource {
     for (std::uint32_t i = 0; i < count; ++i) works_[i].tile = i;
   }
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
-  void give_back(const traces::TileWork* work) override {
+  void release_work(const traces::TileWork* work) override {
     back.push_back(work->tile);
     works_[work->tile].tile = 0xffffffffU;  // the tile's storage may be reused now
   }

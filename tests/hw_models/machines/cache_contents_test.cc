@@ -27,20 +27,20 @@ Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& content
 }
 
 /// Returns empty cache contents, as of a machine before its first frame.
-CacheContents no_lines(const Frame& frame, const GpuConfig& config) {
+CacheContents empty_cache_contents(const Frame& frame, const GpuConfig& config) {
   tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
   return Gpu(config, frame.workload(), front_end).cache_contents();
 }
 
 TEST(CacheContents, OfNoLinesChangeNothing) {
   const GpuConfig config;
-  CacheContents contents = no_lines(test::cornell_64x32(), config);
+  CacheContents contents = empty_cache_contents(test::cornell_64x32(), config);
   EXPECT_EQ(difference(test::play(test::cornell_64x32(), config), play(test::cornell_64x32(), config, contents)), "");
 }
 
 TEST(CacheContents, OfTheFrameBeforeMakeHits) {
   const GpuConfig config;
-  CacheContents contents = no_lines(test::teapot_64x32(), config);
+  CacheContents contents = empty_cache_contents(test::teapot_64x32(), config);
   const Outcome cold = play(test::teapot_64x32(), config, contents);
   const Outcome warm = play(test::teapot_64x32(), config, contents);
   EXPECT_LT(warm.cycles, cold.cycles);
@@ -51,7 +51,7 @@ TEST(CacheContents, OfTheFrameBeforeMakeHits) {
 TEST(CacheContents, OfAFrameWhoseLinesAllFitLeaveNoMisses) {
   GpuConfig config;
   config.l2.cache.size = {4 << 20};
-  CacheContents contents = no_lines(test::cornell_64x32(), config);
+  CacheContents contents = empty_cache_contents(test::cornell_64x32(), config);
   play(test::cornell_64x32(), config, contents);
   EXPECT_EQ(play(test::cornell_64x32(), config, contents).sum("bank", "fills"), 0U);
 }
@@ -60,7 +60,7 @@ TEST(CacheContents, AreTheSameInAllEngines) {
   static const Frame frame("cornell", 16, 16);
   for (std::uint64_t seed = 70; seed < 76; ++seed) {
     const GpuConfig config = test::random_config(seed);
-    CacheContents fast = no_lines(frame, config), oracle = fast, shuffled = fast;
+    CacheContents fast = empty_cache_contents(frame, config), oracle = fast, shuffled = fast;
     for (int i = 0; i < 2; ++i) {
       const Outcome a = play(frame, config, fast);
       EXPECT_EQ(difference(a, play(frame, config, oracle, Engine::kOracle)), "") << "seed " << seed;

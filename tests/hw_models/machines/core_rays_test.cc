@@ -43,11 +43,11 @@ TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
   std::vector<std::vector<std::uint32_t>> walks;
   for (std::uint32_t ray = 0; ray < core.ray_count(); ++ray)
     walks.push_back({*core.ray_walk(ray), *(core.ray_walk(ray) + 1)});
-  for (std::uint32_t ray = 1; ray < core.ray_count(); ++ray) core.note_returned(ray, 0);
+  for (std::uint32_t ray = 1; ray < core.ray_count(); ++ray) core.record_return_time(ray, 0);
   EXPECT_TRUE(finished.empty()) << "the first ray is out, and blocks are forgotten in their order";
   EXPECT_EQ(*core.ray_walk(0), walks[0][0]);
   EXPECT_EQ(*core.ray_walk(2 * kBlock), walks[2 * kBlock][0]);
-  core.note_returned(0, 0);
+  core.record_return_time(0, 0);
   EXPECT_EQ(finished, (std::vector<std::uint32_t>{kBlock, kBlock, 8}));
 }
 
@@ -58,7 +58,7 @@ TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopOnRequest) {
   ASSERT_EQ(core.ray_count(), 2 * kBlock) << "the second and the fourth block";
   for (std::uint32_t ray = 0; ray < kBlock; ++ray) {
     core.ray_walk(ray);
-    core.note_returned(ray, 0);
+    core.record_return_time(ray, 0);
   }
   EXPECT_EQ(finished, 1U);
   EXPECT_EQ(core.ray_count(), kBlock) << "no other block had been traced";

@@ -41,7 +41,7 @@ class Tiles final : public TileSource {
  public:
   explicit Tiles(std::span<const traces::TileWork> works) : works_(works) {}
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
-  void give_back(const traces::TileWork*) override {}
+  void release_work(const traces::TileWork*) override {}
 
  private:
   std::span<const traces::TileWork> works_;
@@ -79,7 +79,7 @@ Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, s
              std::uint32_t tile, const traces::BvhConfig& bvh)
     : camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, bvh, 1)),
-      parents_(traces::parents_of(image_)),
+      parents_(traces::parent_indices(image_)),
       program_(image_, camera_, render_config(width, height, tile), samples, 0),
       tracer_(image_),
       picture_lines_(lines_of_picture(program_, width, height)) {}
@@ -111,7 +111,7 @@ Method::Method(const traces::Scene& scene, const std::string& program, const ker
       rates_(programs.multirate),
       camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, bvh, 1, nullptr, render.mip_maps)),
-      parents_(traces::parents_of(image_)),
+      parents_(traces::parent_indices(image_)),
       tracer_(image_) {}
 
 std::unique_ptr<kernels::FrameProgram> Method::make() const {

@@ -23,7 +23,7 @@ class TileThatNeverEnds final : public TileSource {
     work_.nodes[1].inputs.push_back({0, traces::Edge::Kind::kEach});
   }
   const traces::TileWork* next() override { return std::exchange(given_, true) ? nullptr : &work_; }
-  void give_back(const traces::TileWork*) override { FAIL() << "it must never come back"; }
+  void release_work(const traces::TileWork*) override { FAIL() << "it must never come back"; }
 
  private:
   traces::TileWork work_;

@@ -42,9 +42,9 @@ TEST(L2Bank, ChargesHitsMissesAndFillsToTheRequester) {
   b.core(0).send(640);
   for (const std::uint64_t cycle : {200U, 300U}) b.core(0).send(640, cycle);
   b.harness.run();
-  EXPECT_EQ(accounting.untiled_account().l2_hits, 2U) << "the harness sends requests for no tile";
-  EXPECT_EQ(accounting.untiled_account().l2_misses, 1U);
-  EXPECT_EQ(accounting.untiled_account().l2_fills, 1U);
+  EXPECT_EQ(accounting.account_without_tile().l2_hits, 2U) << "the harness sends requests for no tile";
+  EXPECT_EQ(accounting.account_without_tile().l2_misses, 1U);
+  EXPECT_EQ(accounting.account_without_tile().l2_fills, 1U);
 }
 
 TEST(TileAccounting, CountsEventsForTheirTile) {
@@ -59,7 +59,7 @@ TEST(TileAccounting, CountsEventsForTheirTile) {
   EXPECT_EQ(accounting.tiles()[1].activates, 3U);
   EXPECT_EQ(accounting.tiles()[1].core, 3U);
   EXPECT_EQ(accounting.tiles()[1].dispatched, 20U);
-  EXPECT_EQ(accounting.untiled_account().activates, 1U);
+  EXPECT_EQ(accounting.account_without_tile().activates, 1U);
 }
 
 TEST(TileAccounting, CountsLinesByTheirRequester) {
@@ -80,8 +80,8 @@ TEST(ObserverList, ForwardsEventsToAllAndIsNullIfEmpty) {
   EXPECT_EQ(none.attached_observer(), nullptr);
   EXPECT_EQ(one.attached_observer(), &first);
   two.attached_observer()->on_event(RowActivated{kNoTile});
-  EXPECT_EQ(first.untiled_account().activates, 1U);
-  EXPECT_EQ(second.untiled_account().activates, 1U);
+  EXPECT_EQ(first.account_without_tile().activates, 1U);
+  EXPECT_EQ(second.account_without_tile().activates, 1U);
 }
 
 TEST(TileTag, GivesTheNumberOfATileRelativeToAnotherInFlightAcrossTagWrapAround) {

@@ -25,7 +25,7 @@ TEST(KernelSchedules, EachRunsAtItsLowerBoundAndKeepsEveryDependence) {
              "div", "reads", "writes", "cached");
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule s = schedule_kernel(kernel.graph, SrpConfig{});
-    EXPECT_EQ(wrong_with(s, kernel.graph, SrpConfig{}), "");
+    EXPECT_EQ(first_schedule_error(s, kernel.graph, SrpConfig{}), "");
     EXPECT_EQ(s.ii, std::max(s.res_mii, s.rec_mii)) << kernel.name;
     fmt::print("{:<24}{:>5}{:>5}{:>5}{:>7}{:>6}{:>5}{:>7}{:>8}{:>8}\n", s.kernel, s.ii, s.res_mii, s.rec_mii, s.depth,
                s.fu_ops, s.ops[static_cast<std::size_t>(OpClass::kFpDivSqrt)], s.local_reads, s.local_writes,
@@ -39,7 +39,7 @@ TEST(KernelSchedules, ABiggerArrayNeverTakesLongerForAnItem) {
     for (const auto& [rows, columns] : {std::pair{1U, 4U}, {4U, 2U}, {4U, 4U}, {8U, 4U}, {8U, 8U}}) {
       const SrpConfig config = array_of(rows, columns);
       const KernelSchedule s = schedule_kernel(kernel.graph, config);
-      EXPECT_EQ(wrong_with(s, kernel.graph, config), "") << rows << 'x' << columns;
+      EXPECT_EQ(first_schedule_error(s, kernel.graph, config), "") << rows << 'x' << columns;
       EXPECT_LE(s.ii, before) << kernel.name << ' ' << rows << 'x' << columns;
       before = s.ii;
     }
@@ -55,7 +55,7 @@ TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
       config.latency.div_sqrt_interval = interval;
       config.latency.integer = 3;
       const KernelSchedule s = schedule_kernel(kernel.graph, config);
-      EXPECT_EQ(wrong_with(s, kernel.graph, config), "") << interval;
+      EXPECT_EQ(first_schedule_error(s, kernel.graph, config), "") << interval;
       EXPECT_GE(s.ii, std::max(s.res_mii, s.rec_mii));
     }
   }

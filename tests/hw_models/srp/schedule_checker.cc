@@ -147,7 +147,7 @@ class Player {
 
 }  // namespace
 
-std::string wrong_with(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config) {
+std::string first_schedule_error(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config) {
   return Player(schedule, graph, config).play();
 }
 

@@ -7,6 +7,6 @@ namespace hw::test {
 
 /// Returns the first error in a kernel schedule; empty if it is valid. The checker executes loop items and tracks units
 /// and times of values. It shares only the latencies with the scheduler.
-std::string wrong_with(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config);
+std::string first_schedule_error(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config);
 
 }  // namespace hw::test

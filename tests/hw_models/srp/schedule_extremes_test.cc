@@ -32,7 +32,7 @@ constexpr std::uint32_t kIntervalFarFromBound = 135;
 void expect_near_the_bound(const SrpConfig& config) {
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule s = schedule_kernel(kernel.graph, config);
-    EXPECT_EQ(wrong_with(s, kernel.graph, config), "");
+    EXPECT_EQ(first_schedule_error(s, kernel.graph, config), "");
     const std::uint32_t bound = std::max({1U, s.res_mii, s.rec_mii});
     if (kernel.name == kFarFromBound && s.ii > bound + bound / 3) {
       EXPECT_EQ(s.ii, kIntervalFarFromBound) << "a known gap of the scheduler";

@@ -20,7 +20,7 @@ SrpConfig with_mul_add(bool on = true) {
 
 KernelSchedule checked_with_mul_add(const GraphBuilder& g, const SrpConfig& config = with_mul_add()) {
   KernelSchedule s = schedule_kernel(g.graph(), config);
-  EXPECT_EQ(wrong_with(s, g.graph(), config), "");
+  EXPECT_EQ(first_schedule_error(s, g.graph(), config), "");
   return s;
 }
 
@@ -112,7 +112,7 @@ TEST(ScheduleMulAdd, NoKernelTakesMoreOfAnything) {
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule before = schedule_kernel(kernel.graph, with_mul_add(false)),
                          after = schedule_kernel(kernel.graph, with_mul_add());
-    EXPECT_EQ(wrong_with(after, kernel.graph, with_mul_add()), "");
+    EXPECT_EQ(first_schedule_error(after, kernel.graph, with_mul_add()), "");
     EXPECT_EQ(after.rec_mii, before.rec_mii) << kernel.name;
     EXPECT_LE(after.res_mii, before.res_mii) << kernel.name;
     EXPECT_LE(after.ii, before.ii) << kernel.name;

@@ -14,7 +14,7 @@ using kernels::Op;
 
 KernelSchedule checked(const GraphBuilder& g, const SrpConfig& config = {}) {
   KernelSchedule s = schedule_kernel(g.graph(), config);
-  EXPECT_EQ(wrong_with(s, g.graph(), config), "");
+  EXPECT_EQ(first_schedule_error(s, g.graph(), config), "");
   return s;
 }
 

@@ -63,7 +63,7 @@ TEST(SrpMerge, ALoopsCyclesAreDividedAmongItsTilesExactly) {
   setup.observer = &accounting;
   SrpHarness harness(setup, kKernels);
   harness.add(keeps_the_array()).add(short_tile(1)).add(short_tile(2)).add(short_tile(3)).run();
-  EXPECT_EQ(accounting.untiled_account().srp_cycles, harness.cycles(kA) + harness.cycles(kB))
+  EXPECT_EQ(accounting.account_without_tile().srp_cycles, harness.cycles(kA) + harness.cycles(kB))
       << "all tiles go by no name here";
 }
 

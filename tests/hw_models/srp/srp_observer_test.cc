@@ -15,7 +15,7 @@ using test::SrpHarness;
 using test::TileBuilder;
 
 /// Observer that counts events, and the rays in the T&I unit at the end of each batch.
-struct Watched : Observer {
+struct CountingObserver : Observer {
   void on_event(const Event& event) override {
     std::visit(HandleEvents{
                    [&](const TileStarted&) { tiles_begun += 1; },
@@ -44,7 +44,7 @@ struct Watched : Observer {
 };
 
 TEST(SrpObserver, SeesABatchWithItsFirstRayAndWithItsLastHit) {
-  Watched watched;
+  CountingObserver watched;
   SrpHarness::Setup setup;
   setup.observer = &watched;
   SrpHarness harness(setup, {{}, {}});

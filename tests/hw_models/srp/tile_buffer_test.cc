@@ -68,11 +68,11 @@ TEST(TileBuffer, SlotsTakenAreNotFreeUntilReturned) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
   TileBuffer buffer(config, {.tile_samples = 256}, kClock);
-  EXPECT_EQ(buffer.take_slots(60), 0U);
+  EXPECT_EQ(buffer.allocate_slots(60), 0U);
   EXPECT_EQ(buffer.free_slots(), 40U);
-  EXPECT_EQ(buffer.take_slots(40), 0U);
+  EXPECT_EQ(buffer.allocate_slots(40), 0U);
   EXPECT_EQ(buffer.free_slots(), 0U);
-  buffer.return_slots(70);
+  buffer.free_ray_slots(70);
   EXPECT_EQ(buffer.free_slots(), 70U);
   EXPECT_EQ(buffer.used_slots(), 30U);
   EXPECT_EQ(buffer.stats().slots_taken, 100U);
@@ -84,9 +84,9 @@ TEST(TileBuffer, OnlySlotsThatDoNotFitAreSpilled) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
   TileBuffer buffer(config, {.tile_samples = 256}, kClock);
-  EXPECT_EQ(buffer.take_slots(130), 30U);
-  EXPECT_EQ(buffer.take_slots(10), 10U) << "nothing is free any more";
-  buffer.return_slots(60);
+  EXPECT_EQ(buffer.allocate_slots(130), 30U);
+  EXPECT_EQ(buffer.allocate_slots(10), 10U) << "nothing is free any more";
+  buffer.free_ray_slots(60);
   EXPECT_EQ(buffer.free_slots(), 20U) << "140 were taken, 80 are still in use";
   EXPECT_EQ(buffer.stats().spilled_slots, 40U);
 }

@@ -30,7 +30,7 @@ TEST(TileRun, AnEachEdgeReleasesAChunkWhenItsOwnItemsAreDone) {
   builder.launch(kKernel, 10, {TileBuilder::each(builder.launch(kKernel, 10))});
   Tile tile(builder, 4);
   EXPECT_EQ(tile.next(), 0U);
-  EXPECT_EQ(tile.run.chunk_items(0), 4U);
+  EXPECT_EQ(tile.run.next_chunk_size(0), 4U);
   tile.run.finish_items(0, 3);
   EXPECT_EQ(tile.next(), 0U) << "three items are no chunk";
   tile.run.finish_items(0, 1);
@@ -45,7 +45,7 @@ TEST(TileRun, AnAllEdgeWaitsForTheLastItem) {
   Tile tile(builder, 4);
   tile.run.finish_items(0, 8);
   EXPECT_EQ(tile.next(), 0U);
-  EXPECT_EQ(tile.run.chunk_items(0), 2U) << "the last chunk is what is left";
+  EXPECT_EQ(tile.run.next_chunk_size(0), 2U) << "the last chunk is what is left";
   tile.run.finish_items(0, 2);
   EXPECT_EQ(tile.next(), 1U);
 }
@@ -112,17 +112,17 @@ TEST(TileRun, RaysMadeByAChunkAreThoseWithSourcesInIt) {
   builder.rays(launch, 3, {1, 4, 8});
   builder.rays(launch, 2, {0, 9});
   Tile tile(builder);
-  EXPECT_EQ(tile.run.rays_made(launch, 0, 10), 5U);
-  EXPECT_EQ(tile.run.rays_made(launch, 0, 4), 2U);
-  EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 1U);
-  EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 2U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 0, 10), 5U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 0, 4), 2U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 4, 4), 1U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 8, 2), 2U);
   EXPECT_TRUE(std::ranges::equal(tile.run.batches_of(launch), std::vector<std::uint32_t>{1, 2}));
   EXPECT_EQ(tile.run.source_item(1, 2), 8U);
   EXPECT_EQ(tile.run.batch_of(3), 2U);
 
   TileBuilder each;
   each.rays(each.launch(kKernel, 10), 10);
-  EXPECT_EQ(Tile(each).run.rays_made(0, 4, 3), 3U) << "a ray an item";
+  EXPECT_EQ(Tile(each).run.count_produced_rays(0, 4, 3), 3U) << "a ray an item";
 }
 
 TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
@@ -176,7 +176,7 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   EXPECT_EQ(tile.next(), each);
   tile.run.finish_items(each, 4);
   EXPECT_EQ(tile.next(), producer);
-  EXPECT_EQ(tile.run.chunk_items(producer), 4U);
+  EXPECT_EQ(tile.run.next_chunk_size(producer), 4U);
   EXPECT_EQ(tile.run.working_items(producer, 4, 4), 2U) << "two work, two idle";
   tile.run.finish_items(producer, 4);
   EXPECT_FALSE(tile.run.is_complete(producer));
@@ -185,7 +185,7 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   tile.run.finish_items(each, 2);
   EXPECT_FALSE(tile.run.is_tile_complete());
   EXPECT_EQ(tile.next(), producer);
-  EXPECT_EQ(tile.run.chunk_items(producer), 3U);
+  EXPECT_EQ(tile.run.next_chunk_size(producer), 3U);
   EXPECT_EQ(tile.run.working_items(producer, 8, 3), 0U);
   tile.run.finish_items(producer, 3);
   EXPECT_TRUE(tile.run.is_tile_complete());
@@ -214,9 +214,9 @@ TEST(TileRun, IdleItemsMakeNoRays) {
   builder.idle(launch, 4);
   builder.rays(launch, 6);
   Tile tile(builder);
-  EXPECT_EQ(tile.run.rays_made(launch, 0, 10), 6U);
-  EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 2U);
-  EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 0U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 0, 10), 6U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 4, 4), 2U);
+  EXPECT_EQ(tile.run.count_produced_rays(launch, 8, 2), 0U);
 }
 
 TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
@@ -235,7 +235,7 @@ TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
   const traces::TileWork work = small.build();
   tile.run.start_tile(work, 2);
   EXPECT_EQ(tile.next(), 0U);
-  EXPECT_EQ(tile.run.rays_made(0, 0, 3), 3U);
+  EXPECT_EQ(tile.run.count_produced_rays(0, 0, 3), 3U);
   tile.run.finish_items(0, 3);
   EXPECT_EQ(tile.next(), kNone) << "no ray of this tile is back";
   EXPECT_FALSE(tile.run.is_tile_complete());

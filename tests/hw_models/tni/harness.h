@@ -78,7 +78,7 @@ class TniHarness {
   std::uint64_t span() const { return clock_.cycles(last_ - sent_at_.front()); }
   const TniCore& tni() const { return tni_; }
   const std::vector<std::uint32_t>& arrived() const { return arrived_; }
-  std::uint64_t lines_asked() const { return lines_asked_; }
+  std::uint64_t lines_requested() const { return lines_asked_; }
   const sim::Clock& clock() const { return clock_; }
   sim::Time end_time() const { return end_; }
 

@@ -44,7 +44,7 @@ TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisi
   TniHarness harness(two_instances());
   harness.add(kIn).run();
   EXPECT_EQ(harness.latency(0), kWires + 2 * (kMiss + kVisit) + kMiss + kTransform);
-  EXPECT_EQ(harness.lines_asked(), 3U);
+  EXPECT_EQ(harness.lines_requested(), 3U);
   EXPECT_EQ(trv(harness).stats().transforms, 1U);
   EXPECT_EQ(trv(harness).stats().visits, 2U);
   EXPECT_EQ(trv(harness).stats().leaves, 0U);

@@ -50,7 +50,7 @@ TEST(MissHandling, WithoutMissesAllTakeTheSameCycles) {
     setup.ideal = {false, true};
     TniHarness harness(setup);
     ends.push_back(load.send(harness).run().end_time());
-    EXPECT_EQ(harness.lines_asked(), 0U);
+    EXPECT_EQ(harness.lines_requested(), 0U);
   }
   EXPECT_EQ(std::ranges::count(ends, ends.front()), 4);
 }

@@ -105,7 +105,7 @@ TEST(Tni, RaysToOneLineMergeIntoOneRequest) {
   TniHarness::Setup setup = one_trv();
   TniHarness harness(setup);
   harness.add(Walk{visit_step(5, 0, 0), end_step(false)}, 20).run();
-  EXPECT_EQ(harness.lines_asked(), 1U);
+  EXPECT_EQ(harness.lines_requested(), 1U);
 }
 
 TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
@@ -223,7 +223,7 @@ TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
       fills += s.l1_fills;
     }
     EXPECT_EQ(leaves, ist.leaves_in);
-    EXPECT_EQ(fills, harness.lines_asked());
+    EXPECT_EQ(fills, harness.lines_requested());
   }
 }
 

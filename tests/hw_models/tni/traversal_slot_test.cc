@@ -115,7 +115,7 @@ TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
   StackStats stats;
   slot.advance_to_next_step(kFullStack, true, stats);
   EXPECT_EQ(slot.next_pipe(), kToInner);
-  EXPECT_EQ(traces::instance_of(slot.next_step()), 4U);
+  EXPECT_EQ(traces::instance_index_of(slot.next_step()), 4U);
   slot.enter_instance();
   EXPECT_EQ(traces::node_of(slot.next_step()), 9U);
 }

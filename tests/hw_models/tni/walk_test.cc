@@ -196,7 +196,7 @@ TEST(Prefetch, TheFarChildArrivesDuringTheWaitForTheNearOne) {
     setup.config.trv.l1.mshrs = registers;
     TniHarness harness(setup);
     harness.add(kPopped).run();
-    EXPECT_EQ(harness.lines_asked(), 3U);
+    EXPECT_EQ(harness.lines_requested(), 3U);
     return harness.latency(0);
   };
   const std::uint64_t none = kWires + 3 * (kMiss + kVisit) + kPop;

@@ -19,8 +19,9 @@ constexpr Hand kFusedByHand[] = {
     {"light_surface_kept_instanced", {34, 62, 4, 7, 10, 12, 23, 0, 7, 11, 2}},
     {"light_surface_secondary", {15, 35, 2, 6, 13, 18, 31, 0, 7, 10, 1}},
     {"light_surface_secondary_instanced", {15, 35, 2, 6, 13, 18, 34, 0, 7, 10, 1}},
-    // shade_surface: also rays, hits, paths, colours, besides surfaces; record_* without triangle_of (1 integer) and
-    // instance_of (4), which shade_surface has done, as it has loaded the instance.
+    // shade_surface: also rays, hits, paths, colours, besides surfaces; record_* without triangle_index_of (1 integer)
+    // and
+    // instance_index_of (4), which shade_surface has done, as it has loaded the instance.
     {"fetch_lit", {34, 68, 4, 7, 9, 11, 17, 0, 5, 13, 2}},
     {"fetch_lit_instanced", {40, 79, 4, 7, 9, 11, 23, 2, 5, 13, 3}},
     {"fetch_lit_geometry", {34, 68, 4, 7, 10, 12, 19, 0, 5, 14, 3}},

@@ -10,7 +10,7 @@ inline Sampled reconstruct(const Stage& stage, const RenderConfig& render, const
                            ReconstructProgram::Filters filters = ReconstructProgram::Filters::kApart,
                            const traces::Tracer* tracer = nullptr, bool record = false) {
   ReconstructProgram program(stage.image, stage.camera, render, config, filters, stage.size(), 0);
-  program.keep_marks();
+  program.enable_marks();
   return run_program(program, tracer != nullptr ? *tracer : stage.tracer, 1, record);
 }
 

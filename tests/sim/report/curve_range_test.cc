@@ -21,7 +21,7 @@ UnitReport cache(std::string path, std::uint64_t bytes) {
 std::vector<std::string> lines_of(std::uint64_t bytes) {
   const std::vector<UnitReport> units = {cache("l2.bank0", bytes), cache("l2.bank1", bytes)};
   const Band any{1, 1, 1};
-  return sizes_outside_curves(units, {{"read@64KiB", any}, {"read@256KiB", any}},
+  return curve_range_warnings(units, {{"read@64KiB", any}, {"read@256KiB", any}},
                               {{"l2@32KiB", any}, {"l2@512KiB", any}});
 }
 
@@ -37,7 +37,7 @@ TEST(SizesOutsideCurves, AreNoneAtTheEndsAndBetweenPoints) {
 
 TEST(SizesOutsideCurves, AreNoneOfEventsWithoutSizes) {
   const std::vector<UnitReport> units = {cache("l2.bank0", 1)};
-  EXPECT_TRUE(sizes_outside_curves(units, {{"read", {1, 1, 1}}}, {}).empty());
+  EXPECT_TRUE(curve_range_warnings(units, {{"read", {1, 1, 1}}}, {}).empty());
 }
 
 TEST(SiText, HasNoPrefixForARatio) {
@@ -47,14 +47,14 @@ TEST(SiText, HasNoPrefixForARatio) {
 }
 
 TEST(FourDigits, RoundToFourSignificantDigits) {
-  EXPECT_EQ(four_digits(4733.4), "4733");
-  EXPECT_EQ(four_digits(350), "350.0");
-  EXPECT_EQ(four_digits(9999.7), "10.00 k");
-  EXPECT_EQ(four_digits(12824), "12.82 k");
-  EXPECT_EQ(four_digits(-1.23456e7), "-12.35 M");
-  EXPECT_EQ(four_digits(0.12034), "0.1203");
-  EXPECT_EQ(four_digits(8.4612e-5), "8.461e-05");
-  EXPECT_EQ(four_digits(0), "0");
+  EXPECT_EQ(four_digit_text(4733.4), "4733");
+  EXPECT_EQ(four_digit_text(350), "350.0");
+  EXPECT_EQ(four_digit_text(9999.7), "10.00 k");
+  EXPECT_EQ(four_digit_text(12824), "12.82 k");
+  EXPECT_EQ(four_digit_text(-1.23456e7), "-12.35 M");
+  EXPECT_EQ(four_digit_text(0.12034), "0.1203");
+  EXPECT_EQ(four_digit_text(8.4612e-5), "8.461e-05");
+  EXPECT_EQ(four_digit_text(0), "0");
 }
 
 }  // namespace

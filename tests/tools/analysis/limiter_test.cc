@@ -144,9 +144,9 @@ TEST(Limiter, NamesNothingThatIsWorthNothing) {
 }
 
 TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {
-  const test::MadeUpMachine machine{.trv = {{"visiting", 60}, {"starved", 40}},
-                                    .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}},
-                                    .dram = {{"reading", 30}, {"writing", 5}, {"idle", 65}}};
+  const test::SyntheticMachine machine{.trv = {{"visiting", 60}, {"starved", 40}},
+                                       .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}},
+                                       .dram = {{"reading", 30}, {"writing", 5}, {"idle", 65}}};
   const Utilisation u = utilisation_of(machine.units());
   EXPECT_DOUBLE_EQ(u.tni, 0.60);
   EXPECT_DOUBLE_EQ(u.srp, 0.65);
@@ -154,8 +154,8 @@ TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {
 }
 
 TEST(Limiter, UtilisationIsTheMeanOverUnitsAndNothingWithoutAny) {
-  std::vector<sim::UnitReport> units = test::MadeUpMachine{.srp = {{"running", 100}}}.units();
-  const std::vector<sim::UnitReport> idle = test::MadeUpMachine{}.units();
+  std::vector<sim::UnitReport> units = test::SyntheticMachine{.srp = {{"running", 100}}}.units();
+  const std::vector<sim::UnitReport> idle = test::SyntheticMachine{}.units();
   units.insert(units.end(), idle.begin(), idle.end());
   EXPECT_DOUBLE_EQ(utilisation_of(units).srp, 0.5);
   EXPECT_EQ(utilisation_of({}).srp, 0);

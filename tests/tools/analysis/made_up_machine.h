@@ -17,7 +17,7 @@
 namespace test {
 
 /// Unit reports of a machine of one core, over 100 cycles at 1 GHz, with values given by a test.
-struct MadeUpMachine {
+struct SyntheticMachine {
   using Reasons = std::map<std::string, std::uint64_t>;
   using Counters = std::map<std::string, std::uint64_t>;
   Reasons trv = {{"starved", 100}};

@@ -18,10 +18,10 @@ double sum(const CoreTime& t) {
 TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
   // The array ran 30 of 100 cycles and idled 70, 60 of them with rays in the unit. Of the TRV's 80 cycles with rays, a
   // quarter were visits, a quarter misses, half waits for the IST, which tested half its time.
-  const test::MadeUpMachine machine{.trv = {{"starved", 20}, {"visiting", 20}, {"l1_miss", 20}, {"ist", 40}},
-                                    .ist = {{"starved", 60}, {"testing", 20}, {"l1_miss", 10}, {"mshr_full", 10}},
-                                    .srp = {{"running", 30}, {"waiting", 50}, {"no_slots", 15}, {"starved", 5}},
-                                    .of_srp = {{"fed", 75}, {"awaited", 60}}};
+  const test::SyntheticMachine machine{.trv = {{"starved", 20}, {"visiting", 20}, {"l1_miss", 20}, {"ist", 40}},
+                                       .ist = {{"starved", 60}, {"testing", 20}, {"l1_miss", 10}, {"mshr_full", 10}},
+                                       .srp = {{"running", 30}, {"waiting", 50}, {"no_slots", 15}, {"starved", 5}},
+                                       .of_srp = {{"fed", 75}, {"awaited", 60}}};
   const CoreTime t = top_down(machine.units(), {}).gpu;
   EXPECT_DOUBLE_EQ(t.kernels, 0.30);
   EXPECT_DOUBLE_EQ(t.boxes, 0.60 / 4);
@@ -37,9 +37,9 @@ TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
 
 TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
   // A data cache miss takes 80 ns: 60 in the L2, 45 of them waiting for memory.
-  const test::MadeUpMachine machine{.srp = {{"running", 40}, {"cache_miss", 60}},
-                                    .of_srp = {{"cache_fills", 10}, {"cache_miss_cycles", 800}},
-                                    .of_l2 = {{"reads", 20}, {"latency", 1200}, {"memory_cycles", 900}}};
+  const test::SyntheticMachine machine{.srp = {{"running", 40}, {"cache_miss", 60}},
+                                       .of_srp = {{"cache_fills", 10}, {"cache_miss_cycles", 800}},
+                                       .of_l2 = {{"reads", 20}, {"latency", 1200}, {"memory_cycles", 900}}};
   const CoreTime t = top_down(machine.units(), {}).gpu;
   EXPECT_DOUBLE_EQ(t.data_misses, 0.60);
   EXPECT_DOUBLE_EQ(t.data_levels.dram, 45.0 / 80);
@@ -52,11 +52,11 @@ TEST(TopDown, QueuesInFrontOfAnL2WithoutMshrsAreSeenApartFromWires) {
   // A miss takes 100 ns: 1 for the lookup, 11 on wires (1 in the port, 2 x 4 of distance, 2 for 64 bytes at 32 bytes
   // per cycle), 60 in the L2, and 28 queued before the L2. The 60 are 30 for memory, 5 for the lookup and 25 more. Half
   // of the 25 is charged to MSHRs, because a bank waited for an MSHR in half of its sampled cycles.
-  const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
-                                    .l2 = {{"serving", 30}, {"mshr_full", 30}, {"memory", 40}},
-                                    .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}, {"l1_late", 3}},
-                                    .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}},
-                                    .of_port = {{"lines_down", 10}}};
+  const test::SyntheticMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
+                                       .l2 = {{"serving", 30}, {"mshr_full", 30}, {"memory", 40}},
+                                       .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}, {"l1_late", 3}},
+                                       .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}},
+                                       .of_port = {{"lines_down", 10}}};
   const CoreTime t = top_down(machine.units(), {}).cores.at(0);
   EXPECT_DOUBLE_EQ(t.tree_levels.interconnect, 0.40);
   EXPECT_DOUBLE_EQ(t.tree_levels.l2, 0.30);
@@ -71,10 +71,10 @@ TEST(TopDown, QueuesInFrontOfAnL2WithoutMshrsAreSeenApartFromWires) {
 }
 
 TEST(TopDown, QueuesInFrontOfAnL2ThatTakesRequestsAreThePortsOwn) {
-  const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
-                                    .l2 = {{"serving", 60}, {"memory", 40}},
-                                    .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}},
-                                    .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}}};
+  const test::SyntheticMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
+                                       .l2 = {{"serving", 60}, {"memory", 40}},
+                                       .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}},
+                                       .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}}};
   const MissLevels l = top_down(machine.units(), {}).cores.at(0).tree_levels;
   EXPECT_EQ(l.blocked_share(), 0);
   EXPECT_NEAR(l.wires, 0.28 + 0.07, 1e-12);
@@ -82,7 +82,7 @@ TEST(TopDown, QueuesInFrontOfAnL2ThatTakesRequestsAreThePortsOwn) {
 
 TEST(TopDown, OfMemorysTrafficTheSpilledSlotsAreSeenApart) {
   // Memory moved 40 lines, 20 of them for the DMA, 10 of these spilled slots. The DMA was active for 50 of 100 cycles.
-  const test::MadeUpMachine machine{
+  const test::SyntheticMachine machine{
       .dram = {{"reading", 40}, {"row_conflict", 30}, {"latency", 10}, {"idle", 20}},
       .dma = {{"moving", 20}, {"waiting", 30}, {"idle", 50}},
       .of_dram = {{"reads", 25}, {"writes", 15}},

@@ -15,7 +15,7 @@ namespace {
 using TrvStats = hw::Trv::Stats;
 
 TEST(Units, SumWhatThoseOfOneTypeReport) {
-  std::vector<sim::UnitReport> units = test::MadeUpMachine{
+  std::vector<sim::UnitReport> units = test::SyntheticMachine{
       .trv = {{"visiting", 30}, {"l1_miss", 70}},
       .of_trv = {{"visits", 30},
                  {"l1_hits", 5}}}.units();
@@ -31,14 +31,14 @@ TEST(Units, SumWhatThoseOfOneTypeReport) {
 }
 
 TEST(Units, ThatAMachineDoesNotHaveCountNothing) {
-  const std::vector<sim::UnitReport> units = test::MadeUpMachine{}.units();
+  const std::vector<sim::UnitReport> units = test::SyntheticMachine{}.units();
   const Units<hw::MemoryInterface> none(units);
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(none.counted(&hw::MemoryInterface::Stats::rays), 0U);
 }
 
 TEST(Units, ThrowAtACounterThatIsNotDeclaredOrNotReported) {
-  std::vector<sim::UnitReport> units = test::MadeUpMachine{}.units();
+  std::vector<sim::UnitReport> units = test::SyntheticMachine{}.units();
   static const std::uint64_t elsewhere = 0;
   const auto undeclared = [](const TrvStats&) -> const std::uint64_t& { return elsewhere; };
   EXPECT_THROW(Units<hw::Trv>(units).counted(undeclared), std::logic_error);
@@ -47,7 +47,7 @@ TEST(Units, ThrowAtACounterThatIsNotDeclaredOrNotReported) {
 }
 
 TEST(Units, ThrowAtAReasonThatIsNotReported) {
-  std::vector<sim::UnitReport> units = test::MadeUpMachine{}.units();
+  std::vector<sim::UnitReport> units = test::SyntheticMachine{}.units();
   units.front().cycles_by_reason.clear();
   EXPECT_THROW(Units<hw::Trv>(units).spent(hw::Trv::CycleReason::kVisiting), std::out_of_range);
 }

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 Json report_of(const std::filesystem::path& out, const std::string& program, const Words& more = {}) {
   Words words = small_run(out, {"--program", program});
   words.insert(words.end(), more.begin(), more.end());
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
 }
@@ -72,7 +72,7 @@ TEST_P(AdaptiveRun, ReportsItsSamples) {
 TEST_P(AdaptiveRun, DoesNotDependOnTheThreadsOfTheHost) {
   const auto out = [&](const char* threads) {
     const std::filesystem::path path = folder_.path() / threads;
-    const Ending ending =
+    const ProcessResult ending =
         raywatt({"run", "--program", GetParam(), "--resolution", "64x32", "--threads", threads, "-o", path.string()});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return path;
@@ -91,7 +91,7 @@ TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   const Json first = report_of(folder_.path() / "first", GetParam(),
                                {"--set", "undersample.correction=four", "--set", "multirate.halo=retrace"});
   const std::filesystem::path out = folder_.path() / "second";
-  const Ending ending = raywatt(
+  const ProcessResult ending = raywatt(
       {"run", (folder_.path() / "first" / "config.yaml").string(), "--program", GetParam(), "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
@@ -136,7 +136,7 @@ Json frames_of(const std::filesystem::path& out, const Words& more) {
   Words words = {"run",       "--scene",         "teapot",    "--frames", "0:3", "--resolution", "128x64",
                  "--program", "multirate:under", "--threads", "1",        "-o",  out.string()};
   words.insert(words.end(), more.begin(), more.end());
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   Json frames = read_json(out / "report.json")["frames"];
   EXPECT_EQ(frames.size(), 4U);

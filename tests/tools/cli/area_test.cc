@@ -19,7 +19,7 @@ double sum_of(const Json& spreads) {
 
 TEST(AreaOfARun, SumsByBlockAndByPartAndDividesWhatTheFrameGives) {
   const TempFolder folder;
-  const auto out = run_into(folder.path() / "a");
+  const auto out = simulate_into_folder(folder.path() / "a");
   const Json report = read_json(out / "report.json"), t = report["totals"];
   const double mm2 = t["area_mm2"].get<double>();
   EXPECT_EQ(t["area_band_mm2"]["nominal"], mm2);
@@ -36,8 +36,8 @@ TEST(AreaOfARun, SumsByBlockAndByPartAndDividesWhatTheFrameGives) {
 
 TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
   const TempFolder folder;
-  const Json a = read_json(run_into(folder.path() / "a") / "report.json")["totals"];
-  const auto out = run_into(folder.path() / "b", {"--set", "area.extends=area/7nm"});
+  const Json a = read_json(simulate_into_folder(folder.path() / "a") / "report.json")["totals"];
+  const auto out = simulate_into_folder(folder.path() / "b", {"--set", "area.extends=area/7nm"});
   const Json b = read_json(out / "report.json")["totals"];
   EXPECT_LT(b["area_mm2"].get<double>(), 0.7 * a["area_mm2"].get<double>());
   EXPECT_EQ(a["cycles"], b["cycles"]);
@@ -48,7 +48,7 @@ TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
   EXPECT_FALSE(warned(folder.path() / "a"));
   EXPECT_TRUE(warned(out));
   const Words same = {"--set", "energy.process=14nm, 0.8 V"};
-  EXPECT_FALSE(warned(run_into(folder.path() / "c", same))) << "blanks do not make a process another";
+  EXPECT_FALSE(warned(simulate_into_folder(folder.path() / "c", same))) << "blanks do not make a process another";
   EXPECT_EQ(a["extrapolated"], 0);
   EXPECT_EQ(b["extrapolated"], 1) << "tables of two processes";
 }
@@ -62,7 +62,7 @@ TEST(AreaOfARun, OfABlockThatTheTableDoesNotKnowIsRefused) {
                                        arrays + "}}\n");
     return raywatt({"run", file.string(), "--resolution", "16x16", "--quiet", "-o", (folder.path() / "x").string()});
   };
-  const Ending known = run_with("tni: 1, srp: 1, tile_buffer: 1, l2: 1");
+  const ProcessResult known = run_with("tni: 1, srp: 1, tile_buffer: 1, l2: 1");
   EXPECT_EQ(known.exit, 0) << known.err;
   expect_refusal(run_with("tni: 1, srp: 1, tile_buffer: 1"),
                  {"area.arrays: no entry for unit 'l2.bank0'; allowed: 'l2.bank' or 'l2'"});
@@ -77,7 +77,8 @@ Built built(const TempFolder& folder, const Words& sets) {
   Words words;
   for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
   static int runs = 0;
-  const Json t = read_json(run_into(folder.path() / std::to_string(++runs), words) / "report.json")["totals"];
+  const Json t =
+      read_json(simulate_into_folder(folder.path() / std::to_string(++runs), words) / "report.json")["totals"];
   const auto parts = t["area_by_part_mm2"];
   return {parts["logic"]["nominal"].get<double>(), parts["pads"]["nominal"].get<double>(),
           t["energy_by_kind_mj"]["leakage"]["nominal"].get<double>() / t["time_ms"].get<double>()};
@@ -118,13 +119,13 @@ TEST(AreaOfASweep, IsAColumnAndACondition) {
   const auto file = write_sweep(folder, "axes: {cores: [1, 2]}\n");
   ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
   const std::string out = (folder.path() / "out").string();
-  const Ending table = raywatt({"sweep", "table", out, "--csv", "--columns", "cores,area_mm2"});
+  const ProcessResult table = raywatt({"sweep", "table", out, "--csv", "--columns", "cores,area_mm2"});
   ASSERT_EQ(table.exit, 0) << table.err;
   const double small = std::stod(table.out.substr(table.out.find("\n1,") + 3));
   const double large = std::stod(table.out.substr(table.out.find("\n2,") + 3));
   EXPECT_LT(small, large);
   const std::string limit = "area_mm2<=" + std::to_string((small + large) / 2);
-  const Ending met = raywatt({"sweep", "table", out, "--csv", "--columns", "cores", "--where", limit});
+  const ProcessResult met = raywatt({"sweep", "table", out, "--csv", "--columns", "cores", "--where", limit});
   EXPECT_EQ(met.out, "cores\n1\n");
   EXPECT_EQ(raywatt({"sweep", "best", out, "--max", "frames_per_joule_per_mm2", "--energy", "band"}).exit, 0);
 }

@@ -44,7 +44,7 @@ TEST_P(BuiltIn, AgreesWithEmbreeRayForRayAndInItsPicture) {
   const TempFolder folder;
   Words words = {"verify", "--scene", GetParam(), "--resolution", "200x100", "--quiet", "-o", folder.path().string()};
   if (GetParam() == "hairball") words.insert(words.end(), {"--set", "scene.triangles=360000"});
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json verdict = read_json(folder.path() / "verify.json");
   EXPECT_EQ(verdict["missing_hits"], 0);

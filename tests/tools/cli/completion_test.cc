@@ -16,7 +16,7 @@ namespace test {
 namespace {
 
 std::string printed(const Words& arguments) {
-  const Ending ending = raywatt(arguments);
+  const ProcessResult ending = raywatt(arguments);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending.out;
 }

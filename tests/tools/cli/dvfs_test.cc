@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-Ending ending_well(const Words& words) {
-  Ending ending = raywatt(words);
+ProcessResult ending_well(const Words& words) {
+  ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending;
 }
@@ -96,7 +96,7 @@ TEST(Dvfs, AtARateFindsWhatABruteForceSearchFinds) {
 }
 
 TEST(Dvfs, RefusesDomainsThatThereAreNot) {
-  const Ending ending = raywatt({"dvfs", "--clocks", "sarp"});
+  const ProcessResult ending = raywatt({"dvfs", "--clocks", "sarp"});
   EXPECT_EQ(ending.exit, 2);
   EXPECT_SAYS(ending.err, "'sarp', did you mean 'srp'");
 }

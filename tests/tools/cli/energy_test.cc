@@ -52,7 +52,7 @@ TEST(EnergyShow, ShowsLogicAndMemoryAndAll) {
 
 TEST(EnergyPrice, OfARunShowsTheBandAndEveryBlock) {
   const TempFolder folder;
-  const std::string out = run_into(folder.path() / "a").string();
+  const std::string out = simulate_into_folder(folder.path() / "a").string();
   const Words words = {"energy", "price", out, "--set", "energy.events.tni.box_test.nominal=48"};
   const std::string text = output_of(words);
   EXPECT_SAYS(text, "energy.events.tni.box_test: 7.9 / 24 / 50 -> 48 without a band");
@@ -93,7 +93,7 @@ TEST(EnergyPrice, OfASweepCountsPointsWithoutAResult) {
   ASSERT_EQ(reports.size(), 3U);
   std::filesystem::remove_all(std::filesystem::path(reports[0]).parent_path());
   std::filesystem::resize_file(reports[1], std::filesystem::file_size(reports[1]) - 1);
-  const Ending two_gone = raywatt({"energy", "price", out, "--json"});
+  const ProcessResult two_gone = raywatt({"energy", "price", out, "--json"});
   EXPECT_EQ(two_gone.exit, 0);
   EXPECT_EQ(Json::parse(two_gone.out)["runs"].size(), 1U);
   EXPECT_SAYS(two_gone.err, out + ": 2 of 3 points have no result: 1 damaged, 1 missing");
@@ -104,21 +104,21 @@ TEST(EnergyPrice, OfASweepCountsPointsWithoutAResult) {
 TEST(EnergyPrice, NamesTheReplicateAndTheExtrapolations) {
   const TempFolder folder;
   const std::string out =
-      run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512B"}).string();
+      simulate_into_folder(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512B"}).string();
   const std::string text = output_of({"energy", "price", out});
   EXPECT_SAYS(text, "priced: the first of 2 replicates");
   EXPECT_SAYS(text, "note: energy.events: the array of tni.trv has 512 B, outside ");
   const Json run = Json::parse(output_of({"energy", "price", out, "--json"}))["runs"][0];
   EXPECT_EQ(run["plays"], 2);
   EXPECT_FALSE(run["extrapolated"].empty());
-  const std::string plain = output_of({"energy", "price", run_into(folder.path() / "b").string()});
+  const std::string plain = output_of({"energy", "price", simulate_into_folder(folder.path() / "b").string()});
   EXPECT_EQ(plain.find("priced: the first"), std::string::npos) << plain;
   EXPECT_EQ(plain.find("note:"), std::string::npos) << plain;
 }
 
 TEST(EnergyPrice, RefusesNamesThatNoUnitGoesBy) {
   const TempFolder folder;
-  const std::string out = run_into(folder.path() / "a").string();
+  const std::string out = simulate_into_folder(folder.path() / "a").string();
   expect_refusal(raywatt({"energy", "price", out, "--set", "energy.logic.tni.trvv=1"}),
                  {"energy.logic.tni.trvv: no unit goes by this name", "did you mean 'tni.trv'?"});
   expect_refusal(raywatt({"run", "--resolution", "16x16", "-o", folder.path() / "b", "--set", "area.buffers.srpp=1"}),

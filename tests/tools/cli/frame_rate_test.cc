@@ -82,8 +82,8 @@ TEST_F(TargetRate, IsPositiveAndOfFrames) {
   for (const char* fps : {"0", "-1", "many"}) {
     EXPECT_EQ(raywatt(small_run(plain, {"--fps", fps})).exit, 2) << fps;
   }
-  const Ending rays = raywatt({"run", "--rays", folder.write("a.rays", ray_list(4)).string(), "--set",
-                               "frame.start=warm", "-o", plain.string()});
+  const ProcessResult rays = raywatt({"run", "--rays", folder.write("a.rays", ray_list(4)).string(), "--set",
+                                      "frame.start=warm", "-o", plain.string()});
   EXPECT_EQ(rays.exit, 2);
   EXPECT_SAYS(rays.err, "--rays: a list of rays is no frame of a sequence; allowed: frame.start=cold");
   EXPECT_EQ(raywatt({"sweep", "run", "--resume", "-o", plain.string(), "--fps", "60"}).exit, 2);

@@ -24,7 +24,7 @@ Words chess(const Words& more) {
 }
 
 nlohmann::json frames_report(const fs::path& out, const Words& more) {
-  const Ending ending = raywatt(small_run(out, chess(more)));
+  const ProcessResult ending = raywatt(small_run(out, chess(more)));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
 }
@@ -94,7 +94,7 @@ TEST(Frames, AgreeWithEmbreeWhenTheTreeIsRefittedOrRebuilt) {
     Words words = chess({"--frames", "1:3", "--set", std::string("bvh.update=") + update});
     words.insert(words.begin(), "verify");
     words.insert(words.end(), {"--resolution", "64x32", "--quiet", "-o", (folder.path() / update).string()});
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_EQ(read_json(folder.path() / update / "verify.json")["frames"].size(), 3U);
   }
@@ -106,7 +106,7 @@ TEST(Frames, FinishedBeforeAnInterruptAreKept) {
   Program program(small_run(out, chess({"--frames", "0:100000"})));
   EXPECT_TRUE(program.wait_for_file(folder.path(), "frame-0001.png"));
   program.send(SIGINT);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   const nlohmann::json report = read_json(out / "report.json");
   EXPECT_SAYS(ending.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
@@ -131,7 +131,7 @@ TEST(Frames, FewerOfAnInterruptedRunDoNotReplaceMore) {
 }
 
 /// Starts a verb with progress output and interrupts it after its first frame.
-Ending interrupted_after_a_frame(Words words) {
+ProcessResult interrupted_after_a_frame(Words words) {
   words.insert(words.end(), {"--progress", "json", "--threads", "1"});
   Program program(words);
   EXPECT_TRUE(program.wait_until([](const std::string& err) {
@@ -154,7 +154,7 @@ TEST(Frames, FewerOfAnInterruptedVerifyDoNotReplaceMore) {
   };
   ASSERT_EQ(raywatt(verify({"--frames", "0:9", "--resolution", "16x16"})).exit, 0);
   const std::string former = read_bytes(out / "verify.json"), picture = read_bytes(out / "image.png");
-  const Ending ending =
+  const ProcessResult ending =
       interrupted_after_a_frame(verify({"--frames", "0:1000", "--resolution", "64x64", "--program", "full:4"}));
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
@@ -173,7 +173,7 @@ TEST(Frames, FewerOfAnInterruptedReplayDoNotReplaceMore) {
   const Words replay = {"trace", "replay", trace, "-o", out.string()};
   ASSERT_EQ(raywatt(replay).exit, 0);
   const std::string former = read_bytes(out / "report.json");
-  const Ending ending = interrupted_after_a_frame(replay);
+  const ProcessResult ending = interrupted_after_a_frame(replay);
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
   EXPECT_EQ(read_bytes(out / "report.json"), former);
@@ -194,8 +194,8 @@ TEST(WorkloadFile, DefinesTheSceneAndYieldsToSets) {
   const std::string file =
       folder.write("mine.yaml", "scene: {name: ./triangle.glb, first_frame: 4, last_frame: 4}\nrender: {depth: 2}\n")
           .string();
-  const Ending ending = raywatt({"run", "--scene", file, "--set", "scene.last_frame=5", "--resolution", "16x16",
-                                 "--quiet", "-o", (folder.path() / "out").string()});
+  const ProcessResult ending = raywatt({"run", "--scene", file, "--set", "scene.last_frame=5", "--resolution", "16x16",
+                                        "--quiet", "-o", (folder.path() / "out").string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
   EXPECT_EQ(report["scene"]["name"], "triangle") << "found beside the workload file";
@@ -219,7 +219,7 @@ TEST(WorkloadFile, OfASceneThatIsNotThereIsNamed) {
 
 TEST(WorkloadFile, OfTheProjectIsFoundByItsName) {
   const TempFolder folder;
-  const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", "lee2016-teapot"}));
+  const ProcessResult ending = raywatt(small_run(folder.path() / "out", {"--scene", "lee2016-teapot"}));
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(read_json(folder.path() / "out" / "report.json")["scene"]["name"], "teapot");
 }

@@ -18,7 +18,7 @@ TEST(GltfModels, EveryTestModelOfAssimpIsRenderedOrRefusedInOneLine) {
     if (path.parent_path().filename() == "Mesh_PrimitiveMode")
       continue;  // 16 near duplicates; the scene tests load them
     SCOPED_TRACE(path.string());
-    const Ending ending = raywatt(
+    const ProcessResult ending = raywatt(
         {"run", "--scene", path.string(), "--resolution", "16x8", "--force", "-o", (out.path() / "run").string()});
     if (ending.exit == 0) {
       ++rendered;

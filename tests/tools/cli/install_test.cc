@@ -38,7 +38,7 @@ struct Installation : testing::Test {
 #endif
   }
   static fs::path root() { return folder->path() / "usr"; }
-  static Ending installed(const Words& arguments) {
+  static ProcessResult installed(const Words& arguments) {
     return raywatt(arguments, {.folder = folder->path(), .program = root() / "bin" / "raywatt"});
   }
   static TempFolder* folder;
@@ -78,7 +78,7 @@ TEST_F(Installation, HasTheLicencesOfTheLockedLibrariesOfPages) {
 }
 
 TEST_F(Installation, RendersAndWritesPictures) {
-  const Ending ending = installed(small_run(folder->path() / "out"));
+  const ProcessResult ending = installed(small_run(folder->path() / "out"));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_TRUE(fs::exists(folder->path() / "out" / "image.png"));
 }
@@ -87,10 +87,10 @@ TEST_F(Installation, ReadsItsOwnPresetsAndNotThoseOfTheSources) {
   const fs::path presets = root() / "share/raywatt/configs";
   std::ofstream(presets / "mine.yaml") << "extends: sgrt-2016\ncores: 3\n";
   fs::rename(presets / "sgrt-2016.yaml", presets / "other.yaml");
-  const Ending missing = installed({"config", "show", "sgrt-2016"});
+  const ProcessResult missing = installed({"config", "show", "sgrt-2016"});
   fs::rename(presets / "other.yaml", presets / "sgrt-2016.yaml");
   expect_refusal(missing, {"no configuration is called 'sgrt-2016'"});
-  const Ending shown = installed({"config", "show", "mine"});
+  const ProcessResult shown = installed({"config", "show", "mine"});
   EXPECT_EQ(shown.exit, 0) << shown.err;
   EXPECT_NE(shown.out.find("cores: 3"), std::string::npos);
 }
@@ -98,7 +98,7 @@ TEST_F(Installation, ReadsItsOwnPresetsAndNotThoseOfTheSources) {
 TEST_F(Installation, NamesTheSearchedFoldersIfThereAreNoConfigurations) {
   const fs::path share = root() / "share/raywatt";
   fs::rename(share, root() / "share/away");
-  const Ending alone = installed({"run"});
+  const ProcessResult alone = installed({"run"});
   fs::rename(root() / "share/away", share);
   expect_refusal(alone, {"no configuration is called 'sgrt-2016'; none is known",
                          "no configurations in " + share.string(), "RAYWATT_PATH"});

@@ -44,7 +44,7 @@ Words long_run(const fs::path& out) {
 }
 
 /// Starts a run with output `out`, interrupts it by a signal, and returns how it ended.
-Ending stopped_by(int signal, const fs::path& out) {
+ProcessResult interrupt_run(int signal, const fs::path& out) {
   Program program(long_run(out));
   EXPECT_TRUE(wait_for_tiles(program));
   program.send(signal);
@@ -74,7 +74,7 @@ TEST(Interrupt, WhileTheSceneIsLoadedLeavesNothing) {
                      "json", "-o", (folder.path() / "new" / "out").string()});
     EXPECT_TRUE(program.wait_for_complaint());
     program.send(signal);
-    const Ending ending = program.wait();
+    const ProcessResult ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);
     EXPECT_EQ(ending.out, "");
     EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
@@ -87,7 +87,7 @@ TEST(Interrupt, InAFrameKeepsItsFinishedPart) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    const Ending ending = stopped_by(signal, out);
+    const ProcessResult ending = interrupt_run(signal, out);
     EXPECT_EQ(ending.exit, 128 + signal);
     const nlohmann::json report = read_json(out / "report.json");
     EXPECT_EQ(report["partial"], true);
@@ -120,16 +120,16 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
     program.send(SIGINT);
     return program.wait();
   };
-  const Ending first = stopped({"--resolution", "512x256", "--program", "full:64"}, [](const nlohmann::json& line) {
-    return line.value("phase", "") == "simulating" && line.value("tile", 0) > 3;
-  });
+  const ProcessResult first = stopped(
+      {"--resolution", "512x256", "--program", "full:64"},
+      [](const nlohmann::json& line) { return line.value("phase", "") == "simulating" && line.value("tile", 0) > 3; });
   EXPECT_EQ(first.exit, 128 + SIGINT);
   EXPECT_SAYS(first.err, "raywatt: interrupted\n");
   EXPECT_EQ(last_progress(first.err.substr(0, first.err.find("raywatt")))["phase"], "interrupted");
   EXPECT_EQ(names_in(folder.path()), Words{});
-  const Ending later = stopped({"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2",
-                                "--frames", "0:100000", "--resolution", "64x32"},
-                               [](const nlohmann::json& line) { return line.value("frame", 0) > 2; });
+  const ProcessResult later = stopped({"--scene", "chess", "--set", "scene.triangles=5000", "--set",
+                                       "scene.frame_rate=2", "--frames", "0:100000", "--resolution", "64x32"},
+                                      [](const nlohmann::json& line) { return line.value("frame", 0) > 2; });
   EXPECT_EQ(later.exit, 128 + SIGINT);
   const nlohmann::json report = read_json(out / "report.json");
   EXPECT_EQ(report["partial"], true);
@@ -157,7 +157,7 @@ TEST(Interrupt, InAListOfRaysKeepsThoseThatAreFinished) {
     Program program(words(list, out));
     EXPECT_TRUE(wait_for_tiles(program));
     program.send(signal);
-    const Ending ending = program.wait();
+    const ProcessResult ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);
     EXPECT_EQ(ending.out, "");
     const nlohmann::json report = read_json(out / "report.json");
@@ -192,7 +192,7 @@ TEST(Interrupt, WhileATraceIsRecordedLeavesNothing) {
                    "--progress", "json", (folder.path() / "a.trace").string()});
   EXPECT_TRUE(wait_for_tiles(program));
   program.send(SIGINT);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   EXPECT_TRUE(ending.err.ends_with("raywatt: interrupted\n")) << ending.err;
   EXPECT_EQ(names_in(folder.path()), Words{});
@@ -201,14 +201,14 @@ TEST(Interrupt, WhileATraceIsRecordedLeavesNothing) {
 TEST(Interrupt, OfBenchLeavesNoScratchFolder) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const TempFolder folder;
-    Surroundings around;
+    ProcessEnvironment around;
     around.variables = {{"TMPDIR", folder.path().string()}};
     Program program({"bench", "--scene", "cornell", "--resolution", "64x64", "--program", "full:16", "--runs", "1",
                      "--threads", "1"},
                     around);
     EXPECT_TRUE(program.wait_for_file(folder.path(), ""));
     program.send(signal);
-    const Ending ending = program.wait();
+    const ProcessResult ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);
     EXPECT_EQ(ending.err, "raywatt: interrupted\n");
     EXPECT_EQ(names_in(folder.path()), Words{});
@@ -222,7 +222,7 @@ TEST(Interrupt, InTheReferenceKeepsTheRun) {
                    "-o", out.string()});
   EXPECT_TRUE(wait_for(program, "part", 1));
   program.send(SIGINT);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   EXPECT_SAYS(ending.err, "kept the run without its reference in");
   const nlohmann::json report = read_json(out / "report.json");
@@ -238,7 +238,7 @@ TEST(Interrupt, InReplicatesKeepsTheRunAndSpeaksOfThem) {
                    "-o", out.string()});
   EXPECT_TRUE(wait_for(program, "part", 1));
   program.send(SIGINT);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   EXPECT_SAYS(ending.err, "raywatt: interrupted; kept the run without its replicates in " + out.string() + "\n");
   EXPECT_EQ(read_json(out / "report.json")["partial"], true);
@@ -252,7 +252,7 @@ TEST(Interrupt, OfAReplayKeepsTheFinishedPartOfTheFirstFrame) {
   Program program({"trace", "replay", trace, "--threads", "1", "--progress", "json", "-o", out.string()});
   EXPECT_TRUE(wait_for_tiles(program));
   program.send(SIGTERM);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGTERM);
   const nlohmann::json report = read_json(out / "report.json");
   EXPECT_EQ(report["partial"], true);
@@ -278,7 +278,7 @@ TEST(Interrupt, OfVerifyKeepsFinishedFrames) {
                    out.string()});
   EXPECT_TRUE(program.wait_until([](const std::string& err) { return last_progress(err).value("frame", 0) > 2; }));
   program.send(SIGINT);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);
   const nlohmann::json report = read_json(out / "verify.json");
   EXPECT_EQ(report["partial"], true);
@@ -296,7 +296,7 @@ TEST(Interrupt, LeavesTheFormerRunAsItWas) {
   ASSERT_EQ(raywatt(small_run(out)).exit, 0);
   const std::string former = read_bytes(out / "report.json");
   for (const int signal : {SIGINT, SIGKILL}) {
-    EXPECT_EQ(stopped_by(signal, out).exit, 128 + signal);
+    EXPECT_EQ(interrupt_run(signal, out).exit, 128 + signal);
     EXPECT_EQ(read_bytes(out / "report.json"), former);
     EXPECT_EQ(names_in(folder.path()), Words{"out"});
   }

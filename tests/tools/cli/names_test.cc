@@ -10,8 +10,8 @@
 namespace test {
 namespace {
 
-Ending ending_well(const Words& arguments, const Surroundings& around = {}) {
-  Ending ending = raywatt(arguments, around);
+ProcessResult ending_well(const Words& arguments, const ProcessEnvironment& around = {}) {
+  ProcessResult ending = raywatt(arguments, around);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending;
 }
@@ -57,7 +57,7 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
 TEST(Refusals, SuggestWhatToTypeInstead) {
   const TempFolder folder;
   folder.write("mine.glb", TinyGltf().glb());
-  const Surroundings here{folder.path(), {}, 0, {}};
+  const ProcessEnvironment here{folder.path(), {}, 0, {}};
   const auto refused = [&](const Words& arguments, const Words& parts) {
     expect_refusal(raywatt(arguments, here), parts);
   };
@@ -110,7 +110,7 @@ TEST(Names, OfSceneFilesMayBeInCapitals) {
 TEST(Frames, OfASceneWithoutAnimationAreSaidToBeEqual) {
   const TempFolder folder;
   const std::string scene = folder.write("still.glb", TinyGltf().glb()).string();
-  const Ending ending = ending_well(small_run(folder.path() / "out", {"--frames", "0:1", "--scene", scene}));
+  const ProcessResult ending = ending_well(small_run(folder.path() / "out", {"--frames", "0:1", "--scene", scene}));
   EXPECT_SAYS(ending.err, "warning: all frames are equal: the scene has no animation");
 }
 
@@ -197,14 +197,14 @@ TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
 
 TEST(Warnings, OfTileSamplingThatSimulatesMuchMoreThanRequested) {
   const TempFolder folder;
-  const Ending run = ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}));
+  const ProcessResult run = ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}));
   EXPECT_SAYS(run.err, "--tile-sampling 5% simulated 100 % of the tiles");
   EXPECT_EQ(read_json(folder.path() / "out" / "report.json")["totals"]["sampled"]["asked"], 0.05);
 }
 
 TEST(Streams, JsonOfARunIsItsTotalsAlone) {
   const TempFolder folder;
-  const Ending run = ending_well(small_run(folder.path() / "out", {"--json"}));
+  const ProcessResult run = ending_well(small_run(folder.path() / "out", {"--json"}));
   EXPECT_EQ(nlohmann::json::parse(run.out), read_json(folder.path() / "out" / "report.json")["totals"]);
 }
 
@@ -237,7 +237,7 @@ TEST(Streams, HaveASignThatIsNotAsciiOnlyWhereTheLocaleHasIt) {
 }
 
 TEST(Bottleneck, ShowsProgressAndEachFirstLevelCache) {
-  const Ending run = ending_well({"bottleneck", "--resolution", "16x16", "--progress", "json", "--json"});
+  const ProcessResult run = ending_well({"bottleneck", "--resolution", "16x16", "--progress", "json", "--json"});
   EXPECT_SAYS(run.err, "\"label\":");
   const nlohmann::json json = nlohmann::json::parse(run.out);
   const nlohmann::json& time = json["top_down"];

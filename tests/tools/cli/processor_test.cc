@@ -9,7 +9,7 @@
 namespace test {
 namespace {
 
-Ending on_processor(const char* name) {
+ProcessResult on_processor(const char* name) {
   return raywatt({"-cpu", name, RAYWATT_PROGRAM, "--version"}, {.program = "/usr/bin/qemu-x86_64"});
 }
 
@@ -27,7 +27,7 @@ struct Processors : testing::Test {
 
 TEST_F(Processors, WithoutAvx2GetOneLineAndNoCrash) {
   for (const char* name : {"Nehalem", "SandyBridge", "qemu64"}) {
-    const Ending ending = on_processor(name);
+    const ProcessResult ending = on_processor(name);
     EXPECT_EQ(ending.exit, 2) << name << ": " << ending.err;
     EXPECT_EQ(ending.out, "") << name;
     EXPECT_NE(ending.err.find("raywatt: needs a processor with AVX2, FMA and BMI2 (x86-64-v3)"), std::string::npos)
@@ -36,7 +36,7 @@ TEST_F(Processors, WithoutAvx2GetOneLineAndNoCrash) {
 }
 
 TEST_F(Processors, WithAvx2AreTaken) {
-  const Ending ending = on_processor("Haswell");
+  const ProcessResult ending = on_processor("Haswell");
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_TRUE(ending.out.starts_with("raywatt ")) << ending.out;
 }

@@ -42,7 +42,7 @@ class Rays : public ::testing::Test {
   Json report(const Floats& floats, const Words& more = {}) const {
     Words words = {"run", "--rays", list(floats), "-o", out().string()};
     words.insert(words.end(), more.begin(), more.end());
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_SAYS(ending.out, "rays of a list");
     return read_json(out() / "report.json");
@@ -93,7 +93,8 @@ TEST_F(Rays, AreFedAtTheIntervalOfTheDirectInterfaceAndNoFaster) {
 }
 
 TEST_F(Rays, AgreeWithEmbree) {
-  const Ending ending = raywatt({"verify", "--rays", list(fan(2000)), "-o", out().string(), "--progress", "json"});
+  const ProcessResult ending =
+      raywatt({"verify", "--rays", list(fan(2000)), "-o", out().string(), "--progress", "json"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "\"phase\":\"done\"");
   EXPECT_EQ(names_in(out()), Words{"verify.json"});

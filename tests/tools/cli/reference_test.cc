@@ -16,7 +16,7 @@ const Words kRelatives = {"speedup",           "traversal_steps",   "dram_bytes"
 TEST(Reference, AgainstItselfEveryRatioIsOneAndThePicturesAreIdentical) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
-  const Ending ending = raywatt(small_run(out, {"--reference", "full:1"}));
+  const ProcessResult ending = raywatt(small_run(out, {"--reference", "full:1"}));
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json totals = read_json(out / "report.json")["totals"];
   EXPECT_EQ(totals["identical"], true);
@@ -33,7 +33,7 @@ TEST(Reference, AgainstItselfEveryRatioIsOneAndThePicturesAreIdentical) {
 TEST(Reference, OfFourTimesTheSamplesCostsMoreAndLooksAlmostTheSame) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
-  const Ending ending = raywatt(small_run(out, {"--reference", "full:4"}));
+  const ProcessResult ending = raywatt(small_run(out, {"--reference", "full:4"}));
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json totals = read_json(out / "report.json")["totals"];
   EXPECT_EQ(totals["identical"], false);
@@ -53,7 +53,7 @@ TEST(Reference, NamesWhatGrewWhereLessWorkTakesMoreTime) {
   const std::filesystem::path out = folder.path() / "out";
   const Words words = {"run",         "--scene", "forest", "--resolution", "128x64", "--program", "multirate:under",
                        "--reference", "full:1",  "-o",     out.string()};
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json totals = read_json(out / "report.json")["totals"], full = read_json(out / "reference.json")["totals"];
   const Json& relative = totals["relative"];
@@ -67,9 +67,10 @@ TEST(Reference, NamesWhatGrewWhereLessWorkTakesMoreTime) {
 
 TEST(Reference, NamesNothingWhereLessWorkTakesLessTimeOrMoreWorkTakesMore) {
   const TempFolder folder;
-  const Ending faster = raywatt(small_run(folder.path() / "faster", {"--reference", "full:4"}));
+  const ProcessResult faster = raywatt(small_run(folder.path() / "faster", {"--reference", "full:4"}));
   EXPECT_EQ(faster.out.find("slower because"), std::string::npos) << faster.out;
-  const Ending larger = raywatt(small_run(folder.path() / "larger", {"--program", "full:4", "--reference", "full:1"}));
+  const ProcessResult larger =
+      raywatt(small_run(folder.path() / "larger", {"--program", "full:4", "--reference", "full:1"}));
   ASSERT_EQ(larger.exit, 0) << larger.err;
   EXPECT_EQ(larger.out.find("slower because"), std::string::npos) << larger.out;
 }
@@ -78,7 +79,7 @@ TEST(Reference, KeepsItsOwnReportWhichIsThatOfTheProgramAlone) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out", alone = folder.path() / "alone";
   const Words more = {"--program", "multirate:under", "--reference", "full:1", "--replicates", "2"};
-  const Ending ending = raywatt(small_run(out, more));
+  const ProcessResult ending = raywatt(small_run(out, more));
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "raywatt compare " + (out / "reference.json").string());
   ASSERT_EQ(raywatt(small_run(alone, {"--replicates", "2"})).exit, 0);
@@ -111,7 +112,7 @@ TEST(Reference, ComparedWithItsRunExplainsTheGain) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   ASSERT_EQ(raywatt(small_run(out, {"--program", "multirate:under", "--reference", "full:1"})).exit, 0);
-  const Ending compared = raywatt({"compare", (out / "reference.json").string(), out.string(), "--json"});
+  const ProcessResult compared = raywatt({"compare", (out / "reference.json").string(), out.string(), "--json"});
   ASSERT_EQ(compared.exit, 0) << compared.err;
   const Json against = Json::parse(compared.out)["against"][0], totals = read_json(out / "report.json")["totals"];
   EXPECT_EQ(against["figures"]["cycles"]["a"], totals["reference"]["cycles"]);
@@ -124,7 +125,7 @@ TEST(Reference, ComparedWithItsRunExplainsTheGain) {
 TEST(Reference, IsComparedByACommandThatAShellTakes) {
   const TempFolder folder;
   const std::string out = (folder.path() / "two words").string();
-  const Ending ending = raywatt({"run", "--resolution", "16x16", "-o", out, "--reference", "full:1"});
+  const ProcessResult ending = raywatt({"run", "--resolution", "16x16", "-o", out, "--reference", "full:1"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "compare with: raywatt compare '" + out + "/reference.json' '" + out + "/report.json'");
 }
@@ -150,7 +151,7 @@ TEST(Reference, WithoutOneThereIsNothingRelative) {
 TEST(Verify, CornellHasNoRayThatEmbreeSeesOtherwise) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
-  const Ending ending = raywatt({"verify", "--resolution", "64x32", "--threads", "2", "-o", out.string()});
+  const ProcessResult ending = raywatt({"verify", "--resolution", "64x32", "--threads", "2", "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.out << ending.err;
   EXPECT_SAYS(ending.out, "0 missing hits, 0 extra hits, 0 distance errors");
   const Json verdict = read_json(out / "verify.json");

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 
 Json replicated_report(const std::filesystem::path& out, const Words& more) {
-  const Ending ending = raywatt(small_run(out, more));
+  const ProcessResult ending = raywatt(small_run(out, more));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
 }
@@ -55,7 +55,7 @@ TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
     ASSERT_NE(line, std::string::npos) << name;
     const std::string row = text.substr(line, text.find('\n', line + 1) - line);
     for (const char* part : {"mean", "deviation", "low", "high"}) {
-      EXPECT_SAYS(row, " " + sim::four_digits(figures.at(Json::json_pointer(pointer))[part].get<double>())) << part;
+      EXPECT_SAYS(row, " " + sim::four_digit_text(figures.at(Json::json_pointer(pointer))[part].get<double>())) << part;
     }
   }
 }
@@ -107,7 +107,7 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
 }
 
 /// Counts speed-ups that are greater than their noise, and checks the noise of each.
-std::size_t outside_of(const std::string& text, const char* from, int plays) {
+std::size_t count_significant_speedups(const std::string& text, const char* from, int plays) {
   std::size_t outside = 0;
   const Json found = Json::parse(text);
   for (const auto& [resource, bound] : found["bounds"].items()) {
@@ -132,9 +132,9 @@ TEST(ReplicatesOption, OfBottleneckReportsTheSpeedupsOutsideTheNoise) {
   const Words plain = {"bottleneck", "--resolution", "32x16", "--progress", "none", "--json"};
   Words replicated = plain;
   replicated.insert(replicated.end(), {"--replicates", "3"});
-  const std::size_t outside = outside_of(raywatt(replicated).out, "replicates", 3);
+  const std::size_t outside = count_significant_speedups(raywatt(replicated).out, "replicates", 3);
   EXPECT_GT(outside, 0U) << "something limits the frame";
-  EXPECT_GE(outside, outside_of(raywatt(plain).out, "default", 1)) << "the assumed noise is the wider";
+  EXPECT_GE(outside, count_significant_speedups(raywatt(plain).out, "default", 1)) << "the assumed noise is the wider";
   EXPECT_EQ(without_noise(raywatt(plain).out), without_noise(raywatt(replicated).out));
 }
 

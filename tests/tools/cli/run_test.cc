@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 /// Runs with `more`, expects success, and returns the report.
 Json report_of(const std::filesystem::path& out, const Words& more = {}) {
-  const Ending ending = raywatt(small_run(out, more));
+  const ProcessResult ending = raywatt(small_run(out, more));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.err, "");
   return read_json(out / "report.json");
@@ -201,7 +201,7 @@ TEST(Run, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   const TempFolder folder;
   const Json first = report_of(folder.path() / "first", {"--set", "cores=2"});
   const std::filesystem::path out = folder.path() / "second";
-  const Ending ending = raywatt({"run", (folder.path() / "first" / "config.yaml").string(), "-o", out.string()});
+  const ProcessResult ending = raywatt({"run", (folder.path() / "first" / "config.yaml").string(), "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
   EXPECT_EQ(read_bytes(out / "config.yaml"), read_bytes(folder.path() / "first" / "config.yaml"));
@@ -219,7 +219,7 @@ TEST(Run, WithoutRaysHasNoMetricsPerRay) {
 
 TEST(Run, OfAMachineInALivelockEndsWith3AndTheStateOfEachUnit) {
   const TempFolder folder;
-  const Ending ending = raywatt(small_run(folder.path() / "out", {"--set", "watchdog=2"}));
+  const ProcessResult ending = raywatt(small_run(folder.path() / "out", {"--set", "watchdog=2"}));
   EXPECT_EQ(ending.exit, 3);
   EXPECT_SAYS(ending.err, "raywatt: the machine is in a livelock");
   for (const char* unit : {"tile_dispatcher: ", "core0.srp: ", "core0.tni.trv0: ", "l2.bank0: ", "dram.channel0: "}) {
@@ -232,7 +232,7 @@ TEST(Run, DoesNotDependOnTheThreadsOfTheHost) {
   const TempFolder folder;
   const auto out = [&](const char* threads) {
     const std::filesystem::path path = folder.path() / threads;
-    const Ending ending = raywatt({"run", "--resolution", "64x32", "--threads", threads, "-o", path.string()});
+    const ProcessResult ending = raywatt({"run", "--resolution", "64x32", "--threads", threads, "-o", path.string()});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return path;
   };

@@ -23,7 +23,7 @@ Words small_builtin_scenes() {
 }
 
 std::string export_of(const std::string& scene, const std::filesystem::path& file) {
-  const Ending ending = raywatt({"scenes", "export", scene, "-o", file.string()});
+  const ProcessResult ending = raywatt({"scenes", "export", scene, "-o", file.string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending.out;
 }
@@ -35,7 +35,7 @@ TEST(ScenesExport, GivesTheSamePicture) {
     export_of(scene, file);
     const auto picture = [&](const std::string& which) {
       const std::filesystem::path out = folder.path() / "out";
-      const Ending ending = raywatt(small_run(out, {"--scene", which, "--quiet"}));
+      const ProcessResult ending = raywatt(small_run(out, {"--scene", which, "--quiet"}));
       EXPECT_EQ(ending.exit, 0) << ending.err;
       return traces::read_exr(out / "image.exr").rgb;
     };
@@ -58,13 +58,14 @@ TEST(ScenesExport, NeedsAnOutputThatEndsWithGlb) {
   expect_refusal(raywatt({"scenes", "export", "cornell"}), {"--output"});
   const TempFolder folder;
   expect_refusal(raywatt({"scenes", "export", "cornell", "-o", (folder.path() / "a.obj").string()}), {".glb"});
-  const Ending ending = raywatt({"scenes", "export", "cornell", "-o", (folder.path() / "none" / "a.glb").string()});
+  const ProcessResult ending =
+      raywatt({"scenes", "export", "cornell", "-o", (folder.path() / "none" / "a.glb").string()});
   EXPECT_EQ(ending.exit, 2) << ending.err;
   EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
 TEST(ScenesInfo, JsonCountsWhatIsThere) {
-  const Ending ending = raywatt({"scenes", "info", "cornell", "--json"});
+  const ProcessResult ending = raywatt({"scenes", "info", "cornell", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json info = nlohmann::json::parse(ending.out);
   EXPECT_EQ(info["schema"], "raywatt-scene/1");
@@ -110,7 +111,7 @@ TEST(ScenesInfo, DescribesFourTriangles) {
 "buffers": [{"byteLength": 60,
   "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"}]})")
           .string();
-  const Ending ending = raywatt({"scenes", "info", file});
+  const ProcessResult ending = raywatt({"scenes", "info", file});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "triangles         4\n");
   EXPECT_SAYS(ending.out, "BVH               1 node, 1 leaf, depth 1");
@@ -120,7 +121,7 @@ TEST(ScenesInfo, DescribesFourTriangles) {
 TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   const TempFolder folder;
   const std::string file = folder.write("features.glb", traces::export_glb(feature_scene())).string();
-  const Ending ending = raywatt({"scenes", "info", file, "--json"});
+  const ProcessResult ending = raywatt({"scenes", "info", file, "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json info = nlohmann::json::parse(ending.out);
   EXPECT_EQ(info["host"]["file_bytes"], std::filesystem::file_size(file));

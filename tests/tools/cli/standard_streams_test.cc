@@ -29,18 +29,19 @@ TEST(StandardStreams, HelpAndVersionThatCannotBeWrittenFail) {
 
 TEST(StandardStreams, AClosedPipeIsAFailedWrite) {
   const TempFolder folder;
-  const Ending table = raywatt({"scenes", "list"}, {.unread = {STDOUT_FILENO}});
+  const ProcessResult table = raywatt({"scenes", "list"}, {.unread = {STDOUT_FILENO}});
   EXPECT_EQ(table.exit, 74);
   EXPECT_SAYS(table.err, "Broken pipe");
   EXPECT_EQ(raywatt({"config", "show", "nosuch"}, {.unread = {STDERR_FILENO}}).exit, 2);
-  const Ending run = raywatt(small_run(folder.path() / "out", {"--progress", "json"}), {.unread = {STDERR_FILENO}});
+  const ProcessResult run =
+      raywatt(small_run(folder.path() / "out", {"--progress", "json"}), {.unread = {STDERR_FILENO}});
   EXPECT_EQ(run.exit, 0);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "report.json"));
 }
 
 TEST(StandardStreams, ARunWithoutStreamsWritesItsFiles) {
   const TempFolder folder;
-  const Ending ending =
+  const ProcessResult ending =
       raywatt(small_run(folder.path() / "out", {"--quiet"}), {.closed = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}});
   EXPECT_EQ(ending.exit, 0);
   EXPECT_EQ(read_json(folder.path() / "out/report.json")["frames"].size(), 1U);
@@ -50,11 +51,11 @@ TEST(StandardStreams, ARunWithoutStreamsWritesItsFiles) {
 TEST(StandardStreams, ASweepWithoutStreamsKeepsTheResultOfEveryPoint) {
   const TempFolder folder;
   const std::filesystem::path file = write_sweep(folder, "axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
-  const Ending ending =
+  const ProcessResult ending =
       raywatt(sweep_run(folder, file, {"-j", "2"}), {.closed = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}});
   EXPECT_EQ(points_in(folder.path() / "store"), 4U);
   EXPECT_EQ(ending.exit, 74) << "its table goes nowhere";
-  EXPECT_EQ(last_run(folder.path() / "out"), (Tally{4, 4, 0, 0}));
+  EXPECT_EQ(last_run_counts(folder.path() / "out"), (Tally{4, 4, 0, 0}));
 }
 
 }  // namespace

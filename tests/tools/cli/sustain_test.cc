@@ -20,7 +20,7 @@ const Words kHot = {"--set", "thermal.body_resistance=30", "--set", "thermal.bod
 
 Json sustained(Words words) {
   words.insert(words.begin(), {"sustain", "--resolution", "64x32", "--json"});
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return Json::parse(ending.out);
 }
@@ -79,8 +79,9 @@ TEST(SustainVerb, RefusesTimesThatAreNone) {
 
 TEST(SustainedRun, AddsItsFiguresToTheTotalsAndChangesNoOther) {
   const TempFolder folder;
-  Json plain = read_json(run_into(folder.path() / "a") / "report.json")["totals"];
-  Json more = read_json(run_into(folder.path() / "b", {"--set", "thermal.minutes=1"}) / "report.json")["totals"];
+  Json plain = read_json(simulate_into_folder(folder.path() / "a") / "report.json")["totals"];
+  Json more =
+      read_json(simulate_into_folder(folder.path() / "b", {"--set", "thermal.minutes=1"}) / "report.json")["totals"];
   EXPECT_NEAR(more["sustained_fps"].get<double>(), more["perf"]["fps"].get<double>(),
               1e-3 * more["perf"]["fps"].get<double>());
   EXPECT_EQ(more["stability"], 1);
@@ -94,7 +95,7 @@ TEST(SustainedRun, AddsItsFiguresToTheTotalsAndChangesNoOther) {
 
 TEST(SustainedRun, PrintsItsFigure) {
   const TempFolder folder;
-  const Ending ending = raywatt(small_run(folder.path() / "a", {"--set", "thermal.minutes=1"}));
+  const ProcessResult ending = raywatt(small_run(folder.path() / "a", {"--set", "thermal.minutes=1"}));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "frames/s after 1 minutes, stability 100.0 %");
 }
@@ -104,9 +105,9 @@ TEST(SustainedSweep, HasItsFrameRateAsObjectiveAndConstraint) {
   const auto file = write_sweep(folder, "axes: {cores: [1, 2]}\nsets: [thermal.minutes=1]\n");
   ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
   const std::string out = (folder.path() / "out").string();
-  const Ending best = raywatt({"sweep", "best", out, "--max", "sustained_fps"});
+  const ProcessResult best = raywatt({"sweep", "best", out, "--max", "sustained_fps"});
   EXPECT_EQ(best.exit, 0) << best.err;
-  const Ending table =
+  const ProcessResult table =
       raywatt({"sweep", "table", out, "--csv", "--columns", "cores,sustained_fps", "--where", "sustained_fps>0"});
   EXPECT_EQ(table.exit, 0) << table.err;
   EXPECT_EQ(std::count(table.out.begin(), table.out.end(), '\n'), 3) << table.out;

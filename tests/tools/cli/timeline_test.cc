@@ -17,7 +17,7 @@ struct TimelineOption : testing::Test {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
 
-  Ending run(const std::string& asked, const Words& more = {}) const {
+  ProcessResult run(const std::string& asked, const Words& more = {}) const {
     Words words = small_run(out, more);
     words.insert(words.end(), {"--timeline", asked});
     return raywatt(words);
@@ -26,7 +26,7 @@ struct TimelineOption : testing::Test {
 };
 
 TEST_F(TimelineOption, WritesAFileAndDescribesIt) {
-  const Ending ending = run("slowest:2");
+  const ProcessResult ending = run("slowest:2");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_GT(fs::file_size(out / "timeline.pftrace"), 1000U);
   EXPECT_EQ(report()["timeline"]["asked"], "slowest:2");

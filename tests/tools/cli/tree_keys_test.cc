@@ -70,7 +70,7 @@ TEST(HybridNumbers, AgreeWithEmbreeRayForRayInMovingScenesToo) {
   const auto verified = [&](Words words) {
     words.insert(words.begin(), "verify");
     words.insert(words.end(), {"--resolution", "128x64", "--quiet", "-o", folder.path().string()});
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     const nlohmann::json verdict = read_json(folder.path() / "verify.json");
     EXPECT_GT(verdict["rays"], 1000);

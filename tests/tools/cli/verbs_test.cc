@@ -11,8 +11,8 @@
 namespace test {
 namespace {
 
-std::string silent_output_of(const Words& arguments, const Surroundings& around = {}) {
-  const Ending ending = raywatt(arguments, around);
+std::string silent_output_of(const Words& arguments, const ProcessEnvironment& around = {}) {
+  const ProcessResult ending = raywatt(arguments, around);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.err, "");
   return ending.out;
@@ -61,7 +61,7 @@ TEST(Streams, WarningsGoToStderr) {
   TinyGltf file;
   file.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
   const std::string scene = folder.write("warned.gltf", file.text()).string();
-  const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", scene}));
+  const ProcessResult ending = raywatt(small_run(folder.path() / "out", {"--scene", scene}));
   EXPECT_EQ(ending.exit, 0);
   EXPECT_TRUE(ending.err.starts_with("raywatt: warning: ")) << ending.err;
   EXPECT_EQ(ending.out.find("warning"), std::string::npos) << ending.out;
@@ -75,7 +75,7 @@ TEST(Streams, QuietPrintsNothing) {
 
 TEST(Streams, AnOutputThatCannotBeWrittenEndsWith74) {
   for (const Words& words : {Words{"config", "manual"}, Words{"scenes", "list"}}) {
-    const Ending ending = raywatt(words, {{}, {}, 0, "/dev/full"});
+    const ProcessResult ending = raywatt(words, {{}, {}, 0, "/dev/full"});
     EXPECT_EQ(ending.exit, 74);
     EXPECT_SAYS(ending.err, "No space left on device");
   }
@@ -93,7 +93,7 @@ TEST(Outputs, ThatCannotBeBegunEndEveryVerbWith2AndNothingIsWritten) {
         Words{"sweep", "run", "s.yaml", "-o", "out", "--store", "file/store"},
         Words{"optimise", "o.yaml", "-o", "file/out"}, Words{"reproduce", "lee2016", "-o", "file/out"},
         Words{"scenes", "export", "cornell", "-o", "file/out.glb"}}) {
-    const Ending ending = raywatt(words, {.folder = folder.path()});
+    const ProcessResult ending = raywatt(words, {.folder = folder.path()});
     EXPECT_EQ(ending.exit, 2) << words.front() << ": " << ending.err;
     EXPECT_SAYS(ending.err, "cannot be written");
   }
@@ -158,7 +158,7 @@ TEST(LookUp, FindsConfigurationsAndScenesInTheFoldersOfRaywattPath) {
   const TempFolder first, second;
   second.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
   second.write("triangle.glb", TinyGltf().glb());
-  const Surroundings around{
+  const ProcessEnvironment around{
       first.path(), {{"RAYWATT_PATH", first.path().string() + ":" + second.path().string()}}, 0, {}};
   EXPECT_SAYS(silent_output_of({"config", "list"}, around), "mine\n");
   EXPECT_SAYS(silent_output_of({"config", "show", "mine"}, around), "cores: 3  #");

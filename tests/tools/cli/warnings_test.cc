@@ -18,7 +18,7 @@ constexpr const char* kSaid = "raywatt: warning: dram.grade is only a name in re
 /// Returns the text on stderr of a verb that has a setting without effect.
 std::string said_by(Words words, const Words& more = kIdle) {
   words.insert(words.end(), more.begin(), more.end());
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending.err;
 }
@@ -75,7 +75,7 @@ TEST(Warnings, OfTheTablesArePrintedByEveryVerbThatReadsAConfiguration) {
 
 TEST(Warnings, OfTheRunArePrintedByBottleneckAndAreInItsJson) {
   const Words words = {"bottleneck", "--resolution", "16x16", "--json", "--set", "tni.trv.l1.size=512B"};
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "the array of tni.trv has 512 B");
   EXPECT_FALSE(nlohmann::json::parse(ending.out)["warnings"].empty());

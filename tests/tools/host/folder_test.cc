@@ -22,7 +22,7 @@ const Words kResults = {"config.yaml", "image.exr",   "image.png",  "intervals.b
                         "pixels.exr",  "report.json", "report.txt", "tiles.json"};
 
 void expect_run_into(const fs::path& out, const Words& more = {}) {
-  const Ending ending = raywatt(small_run(out, more));
+  const ProcessResult ending = raywatt(small_run(out, more));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(names_in(out), kResults);
   EXPECT_EQ(names_in(out.parent_path()), Words{out.filename().string()}) << "nothing beside it";
@@ -83,7 +83,7 @@ TEST(Folder, OfADateRemovesWhatKilledRunsOfOtherDatesHaveLeft) {
 TEST(Folder, NamesThatAreNoUtf8KeepTheirBytes) {
   const TempFolder folder;
   const fs::path out = folder.path() / "o\xff";
-  const Ending ending = raywatt(small_run(out));
+  const ProcessResult ending = raywatt(small_run(out));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   const std::vector<std::string> argv = read_json(out / "report.json")["provenance"]["argv"];
   EXPECT_TRUE(std::ranges::any_of(argv, [](const std::string& word) { return word.ends_with("/o\\xff"); }));
@@ -117,7 +117,7 @@ TEST(Folder, ThatIsTheWorkingDirectoryStaysTheSame) {
   }, after{};
   ASSERT_EQ(::stat(folder.path().c_str(), &before), 0);
   for (const char* former : {"empty", "a run"}) {
-    const Ending ending = raywatt(small_run("."), {.folder = folder.path()});
+    const ProcessResult ending = raywatt(small_run("."), {.folder = folder.path()});
     EXPECT_EQ(ending.exit, 0) << former << ending.err;
     EXPECT_EQ(names_in(folder.path()), kResults);
     ASSERT_EQ(::stat(folder.path().c_str(), &after), 0);
@@ -241,7 +241,7 @@ TEST(Folder, IsResolvedThroughLinks) {
 TEST(Folder, IsADatedOneIfNoneIsGivenAndTwoRunsNeverShareIt) {
   const TempFolder folder;
   const Words words = {"run", "--resolution", "16x16", "--quiet"};
-  const Surroundings around{folder.path(), {}, 0, {}};
+  const ProcessEnvironment around{folder.path(), {}, 0, {}};
   Program one(words, around), two(words, around), three(words, around);
   for (Program* program : {&one, &two, &three}) EXPECT_EQ(program->wait().exit, 0);
   const Words dated = names_in(folder.path() / "raywatt-out");
@@ -284,7 +284,7 @@ TEST(Folder, AFullDiskEndsWith74AndLeavesNothing) {
   const auto full_disk_of = [](std::uint64_t bytes, const char* resolution, const char* file) {
     const TempFolder folder;
     const Words words = {"run", "--resolution", resolution, "-o", (folder.path() / "new" / "out").string()};
-    const Ending ending = raywatt(words, {{}, {}, bytes, {}});
+    const ProcessResult ending = raywatt(words, {{}, {}, bytes, {}});
     EXPECT_EQ(ending.exit, 74);
     EXPECT_EQ(ending.out, "");
     EXPECT_SAYS(ending.err, file);

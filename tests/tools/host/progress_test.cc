@@ -115,7 +115,7 @@ TEST(ProgressJson, CountsNoTimeBetweenPartsInItsRate) {
 TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
-  const Ending ending = raywatt(
+  const ProcessResult ending = raywatt(
       {"run", "--resolution", "1024x512", "--threads", "1", "--quiet", "--progress", "json", "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   std::vector<nlohmann::json> lines;
@@ -140,7 +140,7 @@ TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {
 
 TEST(ProgressJson, OfSampledTilesGoesUpThroughAllRoundsAndEndsWithThem) {
   const TempFolder folder;
-  const Ending ending =
+  const ProcessResult ending =
       raywatt({"run", "--resolution", "512x256", "--tile-sampling", "auto", "--image", "none", "--threads", "1",
                "--quiet", "--progress", "json", "-o", (folder.path() / "out").string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
@@ -162,7 +162,7 @@ TEST(ProgressJson, OfSampledTilesGoesUpThroughAllRoundsAndEndsWithThem) {
 
 TEST(ProgressJson, OfVerifyAndReproduceIsThereToo) {
   const TempFolder folder;
-  const Ending verify =
+  const ProcessResult verify =
       raywatt({"verify", "--resolution", "64x32", "--progress", "json", "-o", (folder.path() / "verify").string()});
   EXPECT_SAYS(verify.err, "\"phase\":\"done\"");
   EXPECT_SAYS(verify.err, "\"part\":2,\"parts\":2");
@@ -173,8 +173,8 @@ TEST(ProgressJson, OfAListOfRaysGoesUpAndEndsWithAllOfThem) {
   constexpr std::size_t kRays = 300'000;
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
-  const Ending ending = raywatt({"run", "--rays", folder.write("a.rays", ray_list(kRays)).string(), "--quiet",
-                                 "--progress", "json", "-o", out.string()});
+  const ProcessResult ending = raywatt({"run", "--rays", folder.write("a.rays", ray_list(kRays)).string(), "--quiet",
+                                        "--progress", "json", "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   nlohmann::json last = {{"rays", 0}, {"tile", 0}, {"cycles", 0}};
   std::istringstream err(ending.err);
@@ -195,9 +195,9 @@ TEST(ProgressJson, OfAListOfRaysGoesUpAndEndsWithAllOfThem) {
 
 TEST(ProgressJson, OfARecordingGoesThroughAllFramesAndTheirReferences) {
   const TempFolder folder;
-  const Ending ending = raywatt({"trace", "record", "--scene", "chess", "--set", "scene.triangles=5000", "--set",
-                                 "scene.frame_rate=2", "--frames", "0:1", "--resolution", "64x32", "--reference",
-                                 "full:4", "--progress", "json", (folder.path() / "a.trace").string()});
+  const ProcessResult ending = raywatt({"trace", "record", "--scene", "chess", "--set", "scene.triangles=5000", "--set",
+                                        "scene.frame_rate=2", "--frames", "0:1", "--resolution", "64x32", "--reference",
+                                        "full:4", "--progress", "json", (folder.path() / "a.trace").string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "\"phase\":\"done\",\"frame\":1,\"part\":4,\"parts\":4");
 }

@@ -17,7 +17,7 @@ using tools::SmallPicture;
 
 TEST(HalfBlocks, HaveTwoPixelsACharacter) {
   const SmallPicture picture{1, 3, {1, 2, 3, 4, 5, 6, 7, 8, 9}};
-  EXPECT_EQ(tools::half_blocks(picture),
+  EXPECT_EQ(tools::draw_half_blocks(picture),
             "\r\x1b[38;2;1;2;3;48;2;4;5;6m\u2580\x1b[0m\x1b[K\n"
             "\r\x1b[38;2;7;8;9;48;2;0;0;0m\u2580\x1b[0m\x1b[K\n");
 }
@@ -48,7 +48,7 @@ TEST(Watch, ShowsNoPictureWithoutTwentyFourBitColour) {
 TEST(Watch, PrintsPlainLinesElsewhereAndChangesNoResult) {
   const TempFolder folder;
   ASSERT_EQ(raywatt(small_run(folder.path() / "plain", {"--scene", "teapot"})).exit, 0);
-  const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", "teapot", "--watch"}));
+  const ProcessResult ending = raywatt(small_run(folder.path() / "out", {"--scene", "teapot", "--watch"}));
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "done [");
   EXPECT_EQ(ending.err.find('\x1b'), std::string::npos);
@@ -62,7 +62,7 @@ TEST(Watch, PrintsPlainLinesElsewhereAndChangesNoResult) {
 TEST(Watch, OfASweepEndsWhenItsPointsHave) {
   const TempFolder folder;
   ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, "axes:\n  cores: [1, 2]\n"))).exit, 0);
-  const Ending ending = raywatt({"sweep", "watch", (folder.path() / "out").string()});
+  const ProcessResult ending = raywatt({"sweep", "watch", (folder.path() / "out").string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "2 points: 2 done, 0 failed, 0 missing");
 }

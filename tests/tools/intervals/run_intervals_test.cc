@@ -79,7 +79,7 @@ TEST(RunIntervals, AddUpToTheReportOnRandomMachines) {
     *config.gpu = hw::test::random_config(seed);
     const fs::path file = folder.write("machine.yaml", sim::dump_config(config));
     const fs::path out = folder.path() / "out";
-    const Ending ended = raywatt(small_run(out, {file.string(), "--scene", "teapot", "--program", "full:4"}));
+    const ProcessResult ended = raywatt(small_run(out, {file.string(), "--scene", "teapot", "--program", "full:4"}));
     ASSERT_EQ(ended.exit, 0) << ended.err;
     expect_adds_up(out);
   }
@@ -117,7 +117,7 @@ TEST(RunIntervals, AreTheSameForAnyNumberOfThreadsAndOfAReplay) {
   const fs::path one = folder.path() / "one", two = folder.path() / "two", again = folder.path() / "again";
   const std::string trace = (folder.path() / "a.trace").string();
   ASSERT_EQ(raywatt(small_run(one, {"--scene", "teapot", "--record", trace})).exit, 0);
-  const Ending threaded = raywatt(
+  const ProcessResult threaded = raywatt(
       {"run", "--scene", "teapot", "--resolution", "64x32", "--threads", "3", "--replicates", "2", "-o", two.string()});
   ASSERT_EQ(threaded.exit, 0) << threaded.err;
   ASSERT_EQ(raywatt({"trace", "replay", trace, "--quiet", "-o", again.string()}).exit, 0);

@@ -12,7 +12,7 @@ namespace tools {
 namespace {
 
 TEST(Draws, MeanDeviationAndIntervalAreThoseOfTheTextbook) {
-  const Draws draws = draws_of(std::array{1.0, 2.0, 3.0, 4.0, 5.0});
+  const Draws draws = draw_statistics(std::array{1.0, 2.0, 3.0, 4.0, 5.0});
   EXPECT_EQ(draws.count, 5U);
   EXPECT_DOUBLE_EQ(draws.mean, 3);
   EXPECT_DOUBLE_EQ(draws.deviation, std::sqrt(2.5));
@@ -20,7 +20,7 @@ TEST(Draws, MeanDeviationAndIntervalAreThoseOfTheTextbook) {
 }
 
 TEST(Draws, OneDrawHasNoInterval) {
-  const Draws draws = draws_of(std::array{7.0});
+  const Draws draws = draw_statistics(std::array{7.0});
   EXPECT_EQ(draws.mean, 7);
   EXPECT_EQ(draws.deviation, 0);
   EXPECT_EQ(draws.half_width(), 0);

@@ -17,8 +17,9 @@ using namespace tools;
 
 struct TwoDesigns : testing::Test {
   TempFolder folder;
-  ReportFile a = load_report(run_into(folder.path() / "a"));
-  ReportFile b = load_report(run_into(folder.path() / "b", {"--set", "tni.trv.l1.size=32 KiB", "--set", "cores=2"}));
+  ReportFile a = load_report(simulate_into_folder(folder.path() / "a"));
+  ReportFile b =
+      load_report(simulate_into_folder(folder.path() / "b", {"--set", "tni.trv.l1.size=32 KiB", "--set", "cores=2"}));
 };
 
 /// Returns randomly drawn table values as arguments of --set.
@@ -35,8 +36,9 @@ std::vector<std::string> sets_of(PricedRun& run, const EnergyDraw& draw) {
 TEST_F(TwoDesigns, UnderADrawAreWhatTheirReportsSayUnderThatTable) {
   constexpr std::uint64_t kDraws = 200;
   PricedRun of_a(a), of_b(b);
-  const std::vector<double> drawn_a = drawn_pj(of_a, "", kDraws), drawn_b = drawn_pj(of_b, "", kDraws);
-  const std::vector<double> tni = drawn_pj(of_a, "tni", kDraws);
+  const std::vector<double> drawn_a = energy_by_draw_pj(of_a, "", kDraws),
+                            drawn_b = energy_by_draw_pj(of_b, "", kDraws);
+  const std::vector<double> tni = energy_by_draw_pj(of_a, "tni", kDraws);
   for (std::uint64_t i = 0; i < kDraws; ++i) {
     const PricedRun again_a(a, {.sets = sets_of(of_a, {kEnergySeed, i})});
     const PricedRun again_b(b, {.sets = sets_of(of_b, {kEnergySeed, i})});
@@ -51,8 +53,8 @@ TEST_F(TwoDesigns, UnderADrawAreWhatARunWithThatTableSays) {
   PricedRun of_a(a);
   Words more;
   for (const std::string& set : sets_of(of_a, {kEnergySeed, 17})) more.insert(more.end(), {"--set", set});
-  const ReportFile simulated = load_report(run_into(folder.path() / "again", more));
-  const std::vector<double> drawn = drawn_pj(of_a, "", 18);
+  const ReportFile simulated = load_report(simulate_into_folder(folder.path() / "again", more));
+  const std::vector<double> drawn = energy_by_draw_pj(of_a, "", 18);
   EXPECT_EQ(PricedRun(simulated).energy().total_pj.nominal, drawn[17]);
   EXPECT_EQ(simulated.number("totals.energy_mj.nominal"), drawn[17] * 1e-9);
 }
@@ -68,7 +70,7 @@ TEST_F(TwoDesigns, DrawOneQuantileForAllPointsOfACurveAndBothDesigns) {
     if (x.name != "energy.events.cache.l1_read") continue;
     ASSERT_EQ(x.figures.size(), 15U) << "1 KiB to 16 MiB";
     for (const EnergyEntry::Figure& f : x.figures) {
-      EXPECT_EQ(f.value->nominal, at_quantile(f.band, EnergyDraw{1, 5}.quantile_of(x))) << f.name;
+      EXPECT_EQ(f.value->nominal, value_at_quantile(f.band, EnergyDraw{1, 5}.quantile_of(x))) << f.name;
     }
   }
 }
@@ -82,7 +84,7 @@ TEST_F(TwoDesigns, HaveTheRatioOfTheirReportsUnderTablesTogether) {
   EXPECT_LT(ratio.drawn.median, ratio.drawn.to);
   EXPECT_LT(ratio.drawn.from, ratio.together.nominal);
   EXPECT_GT(ratio.drawn.to, ratio.together.nominal);
-  const std::vector<double> of_a_drawn = drawn_pj(of_a, ""), of_b_drawn = drawn_pj(of_b, "");
+  const std::vector<double> of_a_drawn = energy_by_draw_pj(of_a, ""), of_b_drawn = energy_by_draw_pj(of_b, "");
   double less = 0;
   for (std::size_t i = 0; i < of_a_drawn.size(); ++i) less += of_b_drawn[i] < of_a_drawn[i] ? 1 : 0;
   EXPECT_EQ(ratio.b_less, less / static_cast<double>(kEnergyDraws));
@@ -111,12 +113,12 @@ TEST_F(TwoDesigns, HaveATornadoOfOneEntryAtATime) {
 
 TEST(Quantile, IsTheBandsEndsAndItsMiddleTheNominalFigure) {
   const sim::Band band{2, 4, 16};
-  EXPECT_EQ(at_quantile(band, 0), 2);
-  EXPECT_EQ(at_quantile(band, 0.5), 4);
-  EXPECT_DOUBLE_EQ(at_quantile(band, 0.75), 8);
-  EXPECT_DOUBLE_EQ(at_quantile(band, 1), 16);
-  EXPECT_DOUBLE_EQ(at_quantile({0, 4, 16}, 0.25), 2);
-  EXPECT_EQ(at_quantile({3, 3, 3}, 0.3), 3);
+  EXPECT_EQ(value_at_quantile(band, 0), 2);
+  EXPECT_EQ(value_at_quantile(band, 0.5), 4);
+  EXPECT_DOUBLE_EQ(value_at_quantile(band, 0.75), 8);
+  EXPECT_DOUBLE_EQ(value_at_quantile(band, 1), 16);
+  EXPECT_DOUBLE_EQ(value_at_quantile({0, 4, 16}, 0.25), 2);
+  EXPECT_EQ(value_at_quantile({3, 3, 3}, 0.3), 3);
 }
 
 TEST(Interval, IsOfTheSamplesWithStraightLinesBetween) {

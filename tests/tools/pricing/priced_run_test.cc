@@ -27,25 +27,25 @@ void expect_totals(const PricedRun& run, const std::filesystem::path& report) {
 
 TEST(PricedRun, UnderItsOwnTableIsItsReport) {
   const TempFolder folder;
-  const auto out =
-      run_into(folder.path() / "a", {"--set", "tni.miss_handling=rau", "--set", "direct_interface.enabled=false"});
+  const auto out = simulate_into_folder(folder.path() / "a",
+                                        {"--set", "tni.miss_handling=rau", "--set", "direct_interface.enabled=false"});
   expect_totals(PricedRun(load_report(out)), out);
 }
 
 TEST(PricedRun, UnderAnotherTableIsTheRunWithThatTable) {
   const TempFolder folder;
-  const auto a = run_into(folder.path() / "a");
+  const auto a = simulate_into_folder(folder.path() / "a");
   const Words sets = {"energy.events.tni.box_test=48", "energy.clock_share={low: 0.1, nominal: 0.2, high: 0.3}",
                       "dram.energy.phy.nominal=100", "energy.events.cache.l1_read@16KiB=20", "tni.trv.ray_bytes=64"};
   Words more;
   for (const std::string& set : sets) more.insert(more.end(), {"--set", set});
-  const auto b = run_into(folder.path() / "b", more);
+  const auto b = simulate_into_folder(folder.path() / "b", more);
   expect_totals(PricedRun(load_report(a), {.sets = sets}), b);
 }
 
 TEST(PricedRun, OfSeveralFramesIsTheirSum) {
   const TempFolder folder;
-  const auto out = run_into(folder.path() / "a", {"--scene", "car", "--frames", "0:2"});
+  const auto out = simulate_into_folder(folder.path() / "a", {"--scene", "car", "--frames", "0:2"});
   const PricedRun run(load_report(out));
   EXPECT_EQ(run.work().frames, 3);
   const sim::Json totals = load_report(out).json["totals"], priced = energy_totals_json(run.energy(), run.work());
@@ -57,7 +57,7 @@ TEST(PricedRun, OfSeveralFramesIsTheirSum) {
 
 TEST(PricedRun, OfAWholeTableTakesNothingFromTheRuns) {
   const TempFolder folder;
-  const auto out = run_into(folder.path() / "a");
+  const auto out = simulate_into_folder(folder.path() / "a");
   const auto file = folder.write("mine.yaml", "extends: energy/14nm\nsram_leakage: 0\nlogic_leakage: 0\n");
   const PricedRun run(load_report(out), {.energy = file.string()});
   const double standby = run.energy().blocks.at("dram").leakage.nominal;
@@ -84,7 +84,7 @@ std::string complaint(const tools::ReportFile& report, const PriceTable& table =
 
 TEST(PricedRun, RefusesWhatNeedsAnotherRunAndCountsThatAreNotItsOwn) {
   const TempFolder folder;
-  const tools::ReportFile report = load_report(run_into(folder.path() / "a"));
+  const tools::ReportFile report = load_report(simulate_into_folder(folder.path() / "a"));
   EXPECT_SAYS(complaint(report, {.sets = {"cores=2"}}), "cores: changes what the machine does");
   EXPECT_SAYS(complaint(report, {.sets = {"area.placement.nominal=2"}}), "changes the machine's area, not its energy");
   EXPECT_SAYS(complaint(report, {.sets = {"energy.events.tni.bxo=2"}}), "no counter names this event");

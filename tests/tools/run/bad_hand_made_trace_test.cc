@@ -11,7 +11,7 @@ namespace {
 
 class BadHandMadeTrace : public ::testing::Test {
  protected:
-  Ending replay(const std::string& content, const Words& config = {"sgrt-2016"}) const {
+  ProcessResult replay(const std::string& content, const Words& config = {"sgrt-2016"}) const {
     Words words = {"trace", "replay"};
     words.insert(words.end(), config.begin(), config.end());
     words.insert(words.end(), {folder_.write("a.trace", content).string(), "-o", (folder_.path() / "out").string()});
@@ -119,7 +119,7 @@ TEST_F(BadHandMadeTrace, WhoseTilesExceedTheTileBufferSendsItsRaysThroughMemory)
     });
   };
   const auto spilled = [&](const std::string& content) {
-    const Ending ending = replay(content);
+    const ProcessResult ending = replay(content);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     const nlohmann::json units = read_json(folder_.path() / "out" / "report.json")["units"];
     std::uint64_t slots = 0;

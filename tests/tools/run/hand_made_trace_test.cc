@@ -16,9 +16,9 @@ nlohmann::json played(const TempFolder& folder, const std::string& name, const s
                       const std::string& set = "cores=4") {
   const std::string file = folder.write(name + ".trace", content).string();
   const std::filesystem::path out = folder.path() / name;
-  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "--set", set, "-o", out.string()});
+  const ProcessResult ending = raywatt({"trace", "replay", "sgrt-2016", file, "--set", set, "-o", out.string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  const Ending info = raywatt({"trace", "info", file});
+  const ProcessResult info = raywatt({"trace", "info", file});
   EXPECT_EQ(info.exit, 0) << info.err;
   EXPECT_SAYS(info.out, "three triangles");
   EXPECT_SAYS(info.out, "raywatt-trace/3");
@@ -51,7 +51,7 @@ TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
                  {"a.trace", "was recorded by another build", "without the key render.height", "2 is asked for",
                   "allowed: the default, 512"});
   EXPECT_EQ(replay({{"program", "another renderer"}}).exit, 0) << "who has no model keeps no list";
-  const Ending version = raywatt({"run", "--resolution", "8x8", "-o", (folder.path() / "run").string()});
+  const ProcessResult version = raywatt({"run", "--resolution", "8x8", "-o", (folder.path() / "run").string()});
   EXPECT_EQ(version.exit, 0) << version.err;
   const auto id = read_json(folder.path() / "run" / "report.json")["provenance"]["model_id"].get<std::string>();
   EXPECT_EQ(replay({{"model_id", id}}).exit, 0) << "this build left out what it knew of";
@@ -66,7 +66,7 @@ TEST(HandMadeTrace, OfManyStepsGetsAHintOfItsDuration) {
   const auto said = [&](const Words& more) {
     Words words = {"trace", "replay", "sgrt-2016", file, "-o", out, "--force"};
     words.insert(words.end(), more.begin(), more.end());
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return ending.err;
   };
@@ -116,7 +116,7 @@ TEST(HandMadeTrace, PlaysTheSmallestFile) {
   const TempFolder folder;
   const std::string file = folder.write("smallest.trace", content).string();
   const std::filesystem::path out = folder.path() / "out";
-  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "-o", out.string()});
+  const ProcessResult ending = raywatt({"trace", "replay", "sgrt-2016", file, "-o", out.string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json totals = read_json(out / "report.json")["totals"];
   EXPECT_EQ(totals["rays"]["total"], 1);

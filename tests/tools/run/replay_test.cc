@@ -27,7 +27,7 @@ Json repeatable(const fs::path& folder) {
 }
 
 /// Expects success with no warnings except about extrapolated caches.
-void expect_good(const Ending& ending) {
+void expect_good(const ProcessResult& ending) {
   EXPECT_EQ(ending.exit, 0) << ending.err;
   std::istringstream lines(ending.err);
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.ends_with("is extrapolated")) << line;
@@ -41,8 +41,8 @@ class Replay : public ::testing::Test {
     if (record) more.insert(more.end(), {"--record", trace()});
     expect_good(raywatt(small_run(at(out), more)));
   }
-  Ending replay(const std::string& out, const Words& more = {}, const Words& config = {},
-                const std::string& threads = "1") const {
+  ProcessResult replay(const std::string& out, const Words& more = {}, const Words& config = {},
+                       const std::string& threads = "1") const {
     Words words = {"trace", "replay"};
     words.insert(words.end(), config.begin(), config.end());
     words.insert(words.end(), {trace(), "-o", at(out).string(), "--threads", threads});
@@ -86,7 +86,7 @@ TEST_F(Replay, GivesTheReportOfAnAnimationWithItsReference) {
   run("run", {"--scene", "chess", "--frames", "20:22", "--program", "multirate:super", "--reference", "full:1"}, true);
   expect_good(replay("replay"));
   expect_same("run", "replay");
-  const Ending threads = replay("threads", {"--progress", "json"}, {}, "3");
+  const ProcessResult threads = replay("threads", {"--progress", "json"}, {}, "3");
   EXPECT_SAYS(threads.err, "\"part\":6,\"parts\":6");
   expect_same("run", "threads");
 }
@@ -185,7 +185,7 @@ TEST_F(Replay, RecordsIntoTheFolderOfTheReportEvenIfThatIsNew) {
 TEST_F(Replay, InfoDescribesTheFile) {
   run("run", {"--program", "full:4", "--reference", "full:1"}, true);
   const Json report = read_json(at("run") / "report.json");
-  const Ending ending = raywatt({"trace", "info", trace(), "--json"});
+  const ProcessResult ending = raywatt({"trace", "info", trace(), "--json"});
   expect_good(ending);
   const Json info = Json::parse(ending.out);
   EXPECT_EQ(info["program"], "full:4");
@@ -273,9 +273,9 @@ TEST_F(Replay, MemoryThatRunsOutIsSaidInOneLine) {
 }
 
 TEST_F(Replay, AFailedWriteLeavesNoFiles) {
-  Surroundings small;
+  ProcessEnvironment small;
   small.longest_file = 10'000;
-  const Ending full = raywatt({"trace", "record", "--resolution", "64x32", trace()}, small);
+  const ProcessResult full = raywatt({"trace", "record", "--resolution", "64x32", trace()}, small);
   EXPECT_EQ(full.exit, 74) << full.err;
   EXPECT_SAYS(full.err, "cannot be written");
   EXPECT_EQ(names_in(folder_.path()), Words{});

@@ -13,7 +13,7 @@ namespace tools {
 namespace {
 
 double uniform(std::uint64_t trial, std::uint64_t index, std::uint64_t of) {
-  return static_cast<double>(sim::unit_float(sim::hash(trial, index, of)));
+  return static_cast<double>(sim::hash_to_unit_float(sim::hash(trial, index, of)));
 }
 
 /// Returns an approximately normal random number of variance 1.

@@ -225,8 +225,8 @@ TEST(SlicedRun, ReportsTheNumberOfSlicesAndTheInterval) {
   const TempFolder folder;
   const auto totals_of = [&](const char* slices) {
     const std::filesystem::path out = folder.path() / slices;
-    const Ending ending = raywatt({"run", "--resolution", "160x160", "--threads", "2", "--set", "render.tile=4",
-                                   "--set", "cores=2", "--slices", slices, "-o", out.string()});
+    const ProcessResult ending = raywatt({"run", "--resolution", "160x160", "--threads", "2", "--set", "render.tile=4",
+                                          "--set", "cores=2", "--slices", slices, "-o", out.string()});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_SAYS(ending.out, "slices");
     EXPECT_EQ(ending.out.find("±") != std::string::npos, std::string(slices) != "1");
@@ -249,8 +249,8 @@ TEST(SlicedRun, MachinesTakeAShareOfTheTimeOfSlicesForAnyThreads) {
   const TempFolder folder;
   for (const char* threads : {"2", "3"}) {  // 3: one machine has an extra thread that renders ahead
     const std::filesystem::path out = folder.path() / threads;
-    const Ending ending = raywatt({"run", "--resolution", "64x64", "--threads", threads, "--set", "render.tile=4",
-                                   "--set", "cores=2", "--slices", "2", "-o", out.string()});
+    const ProcessResult ending = raywatt({"run", "--resolution", "64x64", "--threads", threads, "--set",
+                                          "render.tile=4", "--set", "cores=2", "--slices", "2", "-o", out.string()});
     ASSERT_EQ(ending.exit, 0) << ending.err;
     const nlohmann::json host = read_json(out / "report.json")["host"];
     EXPECT_GT(host["timing_s"], 0);

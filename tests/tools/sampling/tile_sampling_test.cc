@@ -246,7 +246,7 @@ TEST(SampledRun, ReportsEstimatesAndIntervals) {
   const Words sampled = {"run",   "--resolution",  "160x160", "--threads", "1",
                          "--set", "render.tile=4", "--set",   "cores=2",   "--tile-sampling",
                          "5%",    "--image",       "none",    "-o",        (folder.path() / "out").string()};
-  const Ending ending = raywatt(sampled);
+  const ProcessResult ending = raywatt(sampled);
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "image.png"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "image.exr"));

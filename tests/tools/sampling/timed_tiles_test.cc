@@ -38,9 +38,9 @@ BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint3
   hw::Gpu gpu(config, frame().workload(), tiles);
   tiles.set_gpu(gpu);
   gpu.finish(sim::run(gpu));
-  tiles.end_tiles();
+  tiles.finish_tile_times();
   BlockRun r{{}, tiles.simulated_tiles(), 0, tiles.warmed_tiles(), gpu.unit_reports()};
-  for (const std::uint32_t tile : marked) r.marks.push_back(tiles.mark_at(tile));
+  for (const std::uint32_t tile : marked) r.marks.push_back(tiles.snapshot_at(tile));
   for (const sim::UnitReport& unit : r.units) {
     for (const sim::CounterReport& counter : unit.counters)
       r.fills += unit.block == "l2" && counter.name == "fills" ? counter.value : 0;
@@ -114,7 +114,7 @@ TEST(TimedTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
     hw::Gpu* gpu = nullptr;
     explicit Same(const std::vector<traces::TileWork>& w) : work(w) {}
     const traces::TileWork* next() override { return std::exchange(given, true) ? nullptr : &work[60]; }
-    void give_back(const traces::TileWork*) override {}
+    void release_work(const traces::TileWork*) override {}
     void note_dispatched(sim::Time) override { gpu->warm_caches(work[60], 0); }
   } same(work);
   hw::Gpu gpu(config, frame().workload(), same);

@@ -11,23 +11,23 @@ std::vector<hw::TileAccount> tiles() {
           {.core = 1, .dispatched = 5, .finished = 10}};
 }
 
-TEST(Residence, IsSharedByThoseWhoAreThere) {
-  const Residence of_core = residence_of(tiles(), 20, 0);
+TEST(TileTimeShares, IsSharedByThoseWhoAreThere) {
+  const TileTimeShares of_core = tile_time_shares(tiles(), 20, 0);
   EXPECT_DOUBLE_EQ(of_core.tiles[0], 7.5 / 20) << "five alone, half of five";
   EXPECT_DOUBLE_EQ(of_core.tiles[1], 7.5 / 20);
   EXPECT_EQ(of_core.tiles[2], 0) << "it is elsewhere";
   EXPECT_DOUBLE_EQ(of_core.rest, 5.0 / 20);
 }
 
-TEST(Residence, OfAllCoresTogetherIsTheWholeTime) {
-  const Residence all = residence_of(tiles(), 20, {});
+TEST(TileTimeShares, OfAllCoresTogetherIsTheWholeTime) {
+  const TileTimeShares all = tile_time_shares(tiles(), 20, {});
   EXPECT_DOUBLE_EQ(all.tiles[0], (5 + 5 / 3.0) / 20);
   EXPECT_DOUBLE_EQ(all.tiles[1], (5 + 5 / 3.0) / 20);
   EXPECT_DOUBLE_EQ(all.tiles[2], 5 / 3.0 / 20);
   EXPECT_DOUBLE_EQ(all.tiles[0] + all.tiles[1] + all.tiles[2] + all.rest, 1);
 }
 
-TEST(Residence, OfNobodyIsAllRest) { EXPECT_EQ(residence_of({}, 20, {}).rest, 1); }
+TEST(TileTimeShares, OfNobodyIsAllRest) { EXPECT_EQ(tile_time_shares({}, 20, {}).rest, 1); }
 
 }  // namespace
 }  // namespace tools::test

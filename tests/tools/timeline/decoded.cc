@@ -148,7 +148,7 @@ DecodedTimeline decode_timeline(const std::string& bytes) {
   const std::filesystem::path file = folder.write("timeline.pftrace", bytes);
   const std::string command =
       "protoc --decode=raywatt.test.Trace -I tests/tools/timeline timeline.proto <" + file.string();
-  const ::test::Ending ending = ::test::raywatt({"-c", command}, {.program = "/bin/sh"});
+  const ::test::ProcessResult ending = ::test::raywatt({"-c", command}, {.program = "/bin/sh"});
   DecodedTimeline out;
   if (ending.exit != 0) {
     out.problem = ending.err;

@@ -97,7 +97,7 @@ TEST(BackFaces, GiveTheSameHitsWithAnyTree) {
 TEST(BackFaces, AreTheSameForEmbreeAndTheEquations) {
   for (const InstanceLevels levels : kInstanceLevels) {
     for (const Scene& scene : {single_sided(triangle_soup(800, 0.3F)), single_sided(scattered(40)),
-                               single_sided(with_flags(triangle_soup(800, 0.3F)))}) {
+                               single_sided(with_transparent_triangles(triangle_soup(800, 0.3F)))}) {
       const MemoryImage image = build_memory_image(scene, {.instances = levels}, 1);
       const BvhTracer bvh(image);
       const EmbreeTracer embree(image, 1);

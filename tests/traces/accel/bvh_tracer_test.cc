@@ -80,7 +80,7 @@ TEST(BvhTracer, FindsTheSameHitsWithAnyTree) {
 }
 
 TEST(BvhTracer, PortableArithmeticGivesTheSameBits) {
-  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000), with_flags(grid_soup(2000))}) {
+  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000), with_transparent_triangles(grid_soup(2000))}) {
     const MemoryImage image = build_memory_image(scene, {.leaf_size = 6});
     for (const std::vector<Ray>& rays : {random_rays(20000), grid_rays(20000)}) {
       EXPECT_EQ(count_different_in_portable(image, rays), 0U);
@@ -189,7 +189,7 @@ TEST(BvhTracer, OfEqualTrianglesTheOneThatCameFirstWins) {
 
 TEST(BvhTracer, AShadowRayEndsAtAnOpaqueHitOrReportsTheNearestFlaggedOne) {
   for (const Scene& scene : {triangle_soup(1000, 0.2F), grid_soup(1000)}) {
-    const MemoryImage image = build_memory_image(with_flags(scene));
+    const MemoryImage image = build_memory_image(with_transparent_triangles(scene));
     int flagged = 0, solid = 0, hidden = 0;
     for (const std::vector<Ray>& rays :
          {random_rays(test::full_or(5000U, 2500U)), grid_rays(test::full_or(5000U, 2000U))}) {
@@ -218,7 +218,7 @@ TEST(BvhTracer, AShadowRayEndsAtAnOpaqueHitOrReportsTheNearestFlaggedOne) {
 }
 
 TEST(BvhTracer, NearestHitsCarryTheFlagsOfTheirTriangle) {
-  const MemoryImage image = build_memory_image(with_flags(triangle_soup(1000, 0.2F)));
+  const MemoryImage image = build_memory_image(with_transparent_triangles(triangle_soup(1000, 0.2F)));
   const std::vector<Ray> rays = random_rays(3000);
   std::vector<Hit> expected;
   for (const Ray& ray : rays) expected.push_back(test_all(image, ray));

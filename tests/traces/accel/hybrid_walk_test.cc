@@ -48,8 +48,8 @@ std::size_t expect_same_hits(const Scene& scene, const std::vector<Ray>& rays) {
 }
 
 TEST(HybridWalk, FindsTheHitsOfFloatsAndNoOthers) {
-  for (const Scene& scene : {triangle_soup(3000, 0.15F), grid_soup(1500), with_flags(triangle_soup(3000, 0.15F)),
-                             sphere(24, 48), one_triangle()}) {
+  for (const Scene& scene : {triangle_soup(3000, 0.15F), grid_soup(1500),
+                             with_transparent_triangles(triangle_soup(3000, 0.15F)), sphere(24, 48), one_triangle()}) {
     EXPECT_GT(expect_same_hits(scene, random_rays(20000)), 20U);
     EXPECT_GT(expect_same_hits(scene, grid_rays(20000)), 20U);
   }
@@ -136,7 +136,7 @@ TEST(HybridWalk, StartsOnPlanesOfBoxesAndOfTheGrid) {
 }
 
 TEST(HybridWalk, IsTheSameInPortableArithmetic) {
-  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000), with_flags(grid_soup(2000))}) {
+  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000), with_transparent_triangles(grid_soup(2000))}) {
     const MemoryImage image = build_memory_image(scene, kHybrid);
     for (const std::vector<Ray>& rays : {random_rays(10000), grid_rays(10000), rays_from(1e4F, 1000)}) {
       EXPECT_EQ(count_different_in_portable(image, rays), 0U);

@@ -126,7 +126,7 @@ Scene scattered(std::uint32_t count, std::uint64_t seed) {
   return scene;
 }
 
-Scene with_flags(Scene scene) {
+Scene with_transparent_triangles(Scene scene) {
   scene.materials = {{}, {.alpha = Material::Alpha::kMask}, {.transmission = 1}};
   const Mesh all = scene.meshes[0];
   scene.meshes.resize(3, all);

@@ -13,7 +13,7 @@ namespace traces {
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
-  float unit() { return sim::unit_float(sim::hash(seed_, counter_++)); }
+  float unit() { return sim::hash_to_unit_float(sim::hash(seed_, counter_++)); }
   float between(float low, float high) { return low + (high - low) * unit(); }
   std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(sim::hash(seed_, counter_++) % n); }
   glm::vec3 point(float low = -1, float high = 1);
@@ -39,7 +39,7 @@ Scene one_triangle();
 Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 
 /// Returns the scene with two of three triangles not opaque: one material with alpha, and one that transmits light.
-Scene with_flags(Scene scene);
+Scene with_transparent_triangles(Scene scene);
 
 /// Returns the scene with all materials single-sided.
 Scene single_sided(Scene scene);

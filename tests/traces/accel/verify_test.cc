@@ -87,7 +87,7 @@ TEST_F(Verify, BlamesTheReferenceIfThatIsWrong) {
 }
 
 TEST_F(Verify, ChecksThatFlaggedHitsOfShadowRaysAreNearest) {
-  const MemoryImage image = build_memory_image(with_flags(triangle_soup(800, 0.3F)));
+  const MemoryImage image = build_memory_image(with_transparent_triangles(triangle_soup(800, 0.3F)));
   const BvhTracer bvh(image);
   const EmbreeTracer embree(image, 1);
   const auto counts_of = [&](std::function<void(Hit&)> damage, RayKind kind) {

@@ -115,7 +115,7 @@ Recorded record(const MemoryImage& image, const std::vector<Ray>& rays, RayKind 
 TEST(Walk, ReplayedAgainstTheTreeItGivesTheSameHits) {
   for (const std::uint32_t leaf_size : {1U, 4U, 8U}) {
     for (const Scene& scene : {triangle_soup(3000, 0.15F), grid_soup(1500), one_triangle(),
-                               with_flags(triangle_soup(3000, 0.15F)), scattered(60)}) {
+                               with_transparent_triangles(triangle_soup(3000, 0.15F)), scattered(60)}) {
       const BvhConfig config{
           .leaf_size = leaf_size,
           .instances = scene.instances.size() > 3 ? InstanceLevels::kTwoLevel : InstanceLevels::kFlatten};
@@ -149,11 +149,11 @@ TEST(Walk, EntersAnInstanceWithAWordOfItsOwnAndLeavesItWithoutOne) {
   const Recorded r = record(image, {Ray{{0.9F, 0.9F, 1}, 0, {-0.1F, -0.1F, -1}}}, RayKind::kPrimary);
   std::vector<std::uint32_t> entered;
   for (const std::uint32_t word : r.words) {
-    if (is_enter(word)) entered.push_back(instance_of(word));
+    if (is_enter(word)) entered.push_back(instance_index_of(word));
   }
   EXPECT_EQ(entered, (std::vector<std::uint32_t>{0, 1, 2}));
   ASSERT_TRUE(r.hits[0].is_hit());
-  EXPECT_EQ(instance_of(r.hits[0]), 2U);
+  EXPECT_EQ(instance_index_of(r.hits[0]), 2U);
   EXPECT_FLOAT_EQ(r.hits[0].t, 5);
 }
 

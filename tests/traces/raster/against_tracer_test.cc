@@ -56,7 +56,7 @@ bool share_a_corner(const RasterGeometry::Triangle& a, const RasterGeometry::Tri
 }
 
 /// Compares rasteriser and tracer at one sample.
-void compare(const Rasteriser& rasteriser, const Ray& ray, const Coverage::Winner& winner, const Hit& hit,
+void compare(const Rasteriser& rasteriser, const Ray& ray, const Coverage::NearestTriangle& winner, const Hit& hit,
              std::uint32_t traced, Agreement& all) {
   const Projected seen = rasteriser.raster_view().project_direction(ray.direction);
   const double depth = seen.z * hit.t, apart = std::abs(winner.depth - depth) / depth;
@@ -83,14 +83,14 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
           rays_of(camera, x, y, std::min(kSide, camera.width - x), std::min(kSide, camera.height - y));
       std::vector<Hit> hits(rays.size());
       tracer.trace(rays, RayKind::kPrimary, hits, nullptr);
-      rasteriser.cover_samples(rays, found, nullptr);
+      rasteriser.rasterise_samples(rays, found, nullptr);
       all.samples += rays.size();
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const bool drawn = found.winners[i].triangle != kNone;
         all.hits += hits[i].is_hit();
         if (hits[i].is_hit() != drawn) all.apart += 1;
         if (!hits[i].is_hit() || !drawn) continue;
-        const std::uint32_t instance = image.has_two_levels() ? instance_of(hits[i]) : 0;
+        const std::uint32_t instance = image.has_two_levels() ? instance_index_of(hits[i]) : 0;
         compare(rasteriser, rays[i], found.winners[i], hits[i], numbers.at({instance, hits[i].triangle_index()}), all);
       }
     }

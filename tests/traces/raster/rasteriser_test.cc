@@ -33,7 +33,7 @@ struct Seen {
 
 Seen cover(const Rasteriser& rasteriser, const std::vector<Ray>& rays) {
   Seen seen;
-  rasteriser.cover_samples(rays, seen.found, &seen.work);
+  rasteriser.rasterise_samples(rays, seen.found, &seen.work);
   return seen;
 }
 
@@ -54,14 +54,14 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   Coverage found;
   // In the middle of the picture the ray is along the axis and has no rounding.
   const std::vector<Ray> middle{{glm::vec3(0), 0, glm::vec3(0, 0, -1)}};
-  beside.cover_samples(middle, found, nullptr);
+  beside.rasterise_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
   EXPECT_GE(found.winners[0].triangle, 2U) << "the right one's";
 
   both = square(0, 0, 1, 0.5F);
   append(both, square(0, 0.5F, 1, 1));
   const Rasteriser stacked(image_of(both), camera, {}, 16);
-  stacked.cover_samples(middle, found, nullptr);
+  stacked.rasterise_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
   EXPECT_GE(found.winners[0].triangle, 2U) << "the lower one's";
 }
@@ -105,7 +105,7 @@ TEST(Rasteriser, LeavesOutBlocksThatAreFullOfNearerSurfaces) {
   }
   EXPECT_EQ(hidden, 1024U);
   EXPECT_EQ(passed, 1024U);
-  for (const Coverage::Winner& winner : seen.found.winners) EXPECT_LT(winner.triangle, 2U);
+  for (const Coverage::NearestTriangle& winner : seen.found.winners) EXPECT_LT(winner.triangle, 2U);
 }
 
 TEST(Rasteriser, DrawsBothSidesOfATriangle) {
@@ -161,8 +161,8 @@ TEST(Rasteriser, SurvivesTrianglesThatNoSceneShouldHave) {
   for (std::size_t t = 2; t < 10; ++t) EXPECT_EQ(seen.work.raster_triangles[t].lists, 0U) << t;
   EXPECT_EQ(seen.work.raster_triangles[12].lists, 0U) << "behind the eye";
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 32, 32);
-  rasteriser.cover_samples(rays, seen.found, nullptr);
-  for (const Coverage::Winner& winner : seen.found.winners) {
+  rasteriser.rasterise_samples(rays, seen.found, nullptr);
+  for (const Coverage::NearestTriangle& winner : seen.found.winners) {
     ASSERT_NE(winner.triangle, kNone) << "the square is behind all of them";
     EXPECT_TRUE(std::isfinite(winner.depth));
     EXPECT_GT(winner.depth, 0);
@@ -174,7 +174,7 @@ TEST(Rasteriser, SurvivesARandomMessOfBits) {
   std::uint64_t n = 0;
   const auto number = [&] {
     const auto bits = static_cast<std::uint32_t>(sim::hash(7, n++));
-    return n % 3 == 0 ? std::bit_cast<float>(bits) : 4 * sim::unit_float(bits) - 2;
+    return n % 3 == 0 ? std::bit_cast<float>(bits) : 4 * sim::hash_to_unit_float(bits) - 2;
   };
   for (int i = 0; i < 500; ++i) {
     auto& t = all.emplace_back();
@@ -193,13 +193,13 @@ TEST(Rasteriser, SurvivesARandomMessOfBits) {
   }
   EXPECT_EQ(covered, std::accumulate(seen.found.layers.begin(), seen.found.layers.end(), std::uint64_t{0}));
   EXPECT_GE(passed, static_cast<std::uint64_t>(std::ranges::count_if(
-                        seen.found.winners, [](const Coverage::Winner& w) { return w.triangle != kNone; })));
+                        seen.found.winners, [](const Coverage::NearestTriangle& w) { return w.triangle != kNone; })));
 }
 
 TEST(Rasteriser, HasEveryEntryOfItsListsInOneBatchesRuns) {
   std::vector<std::array<glm::vec3, 3>> all;
   for (std::uint64_t i = 0; i < 300; ++i) {
-    const float x = sim::unit_float(sim::hash(1, i)), y = sim::unit_float(sim::hash(2, i));
+    const float x = sim::hash_to_unit_float(sim::hash(1, i)), y = sim::hash_to_unit_float(sim::hash(2, i));
     append(all, square(x, y, x + 0.1F, y + 0.05F, 1 + x));
   }
   const PictureCamera camera = straight_ahead(64, 64);
@@ -222,8 +222,8 @@ TEST(Rasteriser, HasEveryEntryOfItsListsInOneBatchesRuns) {
 TEST(Rasteriser, FindsTheSameInAnyListsAndBlocks) {
   std::vector<std::array<glm::vec3, 3>> all;
   for (std::uint64_t i = 0; i < 200; ++i) {
-    const float x = sim::unit_float(sim::hash(3, i)), y = sim::unit_float(sim::hash(4, i));
-    append(all, square(x - 0.2F, y - 0.2F, x + 0.2F, y, 1 + 3 * sim::unit_float(sim::hash(5, i))));
+    const float x = sim::hash_to_unit_float(sim::hash(3, i)), y = sim::hash_to_unit_float(sim::hash(4, i));
+    append(all, square(x - 0.2F, y - 0.2F, x + 0.2F, y, 1 + 3 * sim::hash_to_unit_float(sim::hash(5, i))));
   }
   const PictureCamera camera = straight_ahead(40, 30);
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 40, 30);

@@ -20,7 +20,7 @@ TEST(ExportOfNodes, AShearComesBackFromTwoNodes) {
   glm::mat4& to_world = scene.instances[0].to_world;
   to_world = {{1, 0, 0, 0}, {0.75F, 2, 0, 0}, {0, -0.5F, 3, 0}, {5, 6, 7, 1}};
   scene.instances[1].to_world = {{1000, 0, 0, 0}, {0, -1e-3F, 0, 0}, {500, 0, 1, 0}, {0, 0, 0, 1}};
-  const Scene back = there_and_back(scene);
+  const Scene back = round_trip_text(scene);
   for (std::size_t i = 0; i < 2; ++i) {
     for (int column = 0; column < 4; ++column) {
       const glm::vec3 wanted(scene.instances[i].to_world[column]);
@@ -36,7 +36,7 @@ TEST(ExportOfNodes, AFlatMatrixComesBack) {
                             {{1, 2, 3, 0}, {-2, -4, -6, 0}, {0.5F, 1, 1.5F, 0}, {0, 0, 1, 1}},
                             {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 1}}};
   for (std::size_t i = 0; i < 3; ++i) scene.instances[i].to_world = flat[i];
-  const Scene back = there_and_back(scene);
+  const Scene back = round_trip_text(scene);
   ASSERT_EQ(back.instances.size(), scene.instances.size());
   for (std::size_t i = 0; i < 3; ++i) {
     for (int column = 0; column < 4; ++column) {
@@ -74,7 +74,7 @@ TEST(ExportOfSkins, ThoseThatNothingShowsAreLeftOut) {
 }
 
 TEST(ExportOfSkins, JointsDifferAndHaveACommonRoot) {
-  const Scene scene = load(skinned_by_two_roots()), back = there_and_back(scene);
+  const Scene scene = load(skinned_by_two_roots()), back = round_trip_text(scene);
   const json document = exported(scene);
   const auto joints = document["skins"][0]["joints"].get<std::vector<int>>();
   EXPECT_EQ(std::set<int>(joints.begin(), joints.end()).size(), 3U);
@@ -163,7 +163,7 @@ std::vector<glm::vec3> shown(const Scene& scene, const std::string& mesh) {
 }
 
 TEST(ExportOfTracks, EverythingMovesAsBefore) {
-  Scene scene = feature_scene(), back = there_and_back(scene);
+  Scene scene = feature_scene(), back = round_trip_text(scene);
   EXPECT_EQ(traces::animation_seconds(back), 2);
   std::vector<glm::vec3> before;
   for (const double seconds : {0.0, 0.25, 0.5, 0.75, 1.0, 3.0}) {
@@ -183,13 +183,13 @@ TEST(ExportOfTracks, EverythingMovesAsBefore) {
 
 TEST(ExportOfCameras, TheFirstStaysTheFirst) {
   Scene scene = feature_scene();
-  EXPECT_EQ(there_and_back(scene).cameras.at(0).name, "still");
+  EXPECT_EQ(round_trip_text(scene).cameras.at(0).name, "still");
   std::swap(scene.cameras[0], scene.cameras[1]);
-  EXPECT_EQ(there_and_back(scene).cameras.at(0).name, "moving");
+  EXPECT_EQ(round_trip_text(scene).cameras.at(0).name, "moving");
 }
 
 TEST(ExportOfLights, KindPlaceConeAndStrengthComeBack) {
-  const Scene scene = feature_scene(), back = there_and_back(scene);
+  const Scene scene = feature_scene(), back = round_trip_text(scene);
   ASSERT_EQ(back.lights.size(), 3U);
   for (const traces::Light& light : scene.lights) {
     const auto same = std::ranges::find(back.lights, light.kind, &traces::Light::kind);
@@ -236,7 +236,7 @@ TEST(ExportOfTracks, BeginAtZeroAndGrow) {
   scene.tracks[2].times = {-0.5F, 1};
   scene.tracks[2].values = {0, 0, 0, 1, 1, 1, 1, 2, 0.5F, 0.25F, 0.5F, 0.75F, 2, 1, 3, 0, 0, 0};
   scene.tracks[3].times = {-3, -2, -1};
-  Scene back = there_and_back(scene);
+  Scene back = round_trip_text(scene);
   ASSERT_EQ(back.tracks.size(), 5U);
   for (const traces::Track& track : back.tracks) {
     EXPECT_GE(track.times.at(0), 0);

@@ -17,7 +17,7 @@ using traces::Scene;
 Material reloaded(const Material& m) {
   Scene scene = traces::build_scene("cornell");
   for (Material& each : scene.materials) each = m;
-  return there_and_back(scene).materials.at(0);
+  return round_trip_text(scene).materials.at(0);
 }
 
 TEST(ExportOfSurfaces, MirrorsComeBackAsTheyWere) {
@@ -63,7 +63,7 @@ TEST(ExportOfSurfaces, ATexturedMirrorsTintIsTheMeanOfItsTexture) {
   ASSERT_TRUE(floor.base_texture.is_used());
   floor.mirror = 0.3F;
   floor.mirror_tint = glm::vec3(1);
-  const Material back = there_and_back(scene).materials.at(1);
+  const Material back = round_trip_text(scene).materials.at(1);
   EXPECT_NEAR(back.mirror, 0.3F, 1e-5F);
   expect_near(back.mirror_tint, glm::vec3(1), 1e-4F);
 }
@@ -139,11 +139,11 @@ TEST(ExportOfTextures, ColourAndAlphaKeepEveryBit) {
   Scene scene = traces::build_scene("teapot");
   scene.textures[0].texels[0] = 0x00123456;  // the colour of fully transparent texels is kept, too
   scene.textures[0].texels[1] = 0x7fabcdef;
-  EXPECT_EQ(there_and_back(scene).textures.at(0).texels, scene.textures[0].texels);
+  EXPECT_EQ(round_trip_text(scene).textures.at(0).texels, scene.textures[0].texels);
 }
 
 TEST(ExportOfSurfaces, EveryFieldComesBack) {
-  const Scene scene = feature_scene(), back = there_and_back(scene);
+  const Scene scene = feature_scene(), back = round_trip_text(scene);
   ASSERT_EQ(back.materials.size(), scene.materials.size());
   const Material &all = scene.materials[0], &same = back.materials[0];
   for (const auto member : {&Material::base_texture, &Material::metal_rough_texture, &Material::normal_texture,

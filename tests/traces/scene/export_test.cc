@@ -17,7 +17,7 @@ using traces::Scene;
 class ExportOfBuiltin : public testing::TestWithParam<std::string> {};
 
 TEST_P(ExportOfBuiltin, GivesTheSameSceneBack) {
-  const Scene scene = traces::build_scene(GetParam()), back = there_and_back(scene);
+  const Scene scene = traces::build_scene(GetParam()), back = round_trip_text(scene);
   ASSERT_EQ(back.instances.size(), scene.instances.size());
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const traces::Mesh &mesh = scene.meshes[scene.instances[i].mesh], &same = back.meshes[back.instances[i].mesh];
@@ -64,7 +64,7 @@ TEST(Export, OfEqualScenesIsEqualBytes) {
 }
 
 TEST(Export, OfAnExportIsTheSameScene) {
-  const Scene once = there_and_back(traces::build_scene("cornell")), twice = there_and_back(once);
+  const Scene once = round_trip_text(traces::build_scene("cornell")), twice = round_trip_text(once);
   EXPECT_EQ(document_of(traces::export_glb(twice))["materials"], document_of(traces::export_glb(once))["materials"]);
   EXPECT_EQ(twice.lights.size(), once.lights.size());
 }
@@ -119,7 +119,7 @@ TEST(Export, ATexturedMaterialOnAMeshWithoutCoordinatesLooksUpTheOrigin) {
 }
 
 TEST(Export, EveryAttributeComesBack) {
-  const Scene scene = feature_scene(), back = there_and_back(scene);
+  const Scene scene = feature_scene(), back = round_trip_text(scene);
   const auto mesh = [](const Scene& s) { return *std::ranges::find(s.meshes, "board", &traces::Mesh::name); };
   EXPECT_EQ(mesh(back).uvs, mesh(scene).uvs);
   EXPECT_EQ(mesh(back).second_uvs, mesh(scene).second_uvs);

@@ -20,7 +20,7 @@ inline nlohmann::json document_of(const std::string& glb) {
 
 inline nlohmann::json exported(const traces::Scene& scene) { return document_of(traces::export_glb(scene)); }
 
-inline traces::Scene there_and_back(const traces::Scene& scene) {
+inline traces::Scene round_trip_text(const traces::Scene& scene) {
   const TempFolder folder;
   return traces::load_gltf(folder.write("scene.glb", traces::export_glb(scene)));
 }

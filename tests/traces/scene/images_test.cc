@@ -56,7 +56,7 @@ TEST(Png, OfDamagedDataGivesOneError) {
 TEST(Exr, ComesBackAsWritten) {
   const TempFolder folder;
   std::vector<float> pixels(7 * 2 * 3);
-  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = 100 * sim::unit_float(sim::hash(i));
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = 100 * sim::hash_to_unit_float(sim::hash(i));
   traces::write_exr(folder.path() / "a.exr", 7, 2, pixels);
   const traces::FloatImage back = traces::read_exr(folder.path() / "a.exr");
   EXPECT_EQ(back.width, 7U);

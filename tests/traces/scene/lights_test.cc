@@ -73,7 +73,7 @@ TEST(Exposure, TheBrightestTenthOfTheViewReceivesTheTarget) {
   sun.direction = {0, -1, 0};
   sun.intensity = {110'000, 55'000, 0};
   scene.lights.push_back(sun);
-  traces::expose_lights(scene);
+  traces::scale_lights_to_exposure(scene);
   EXPECT_NEAR(scene.lights[0].intensity.x, traces::kTargetIrradiance, 1e-4);
   EXPECT_NEAR(scene.lights[0].intensity.y, traces::kTargetIrradiance / 2, 1e-4);
   EXPECT_EQ(scene.ambient, glm::vec3(traces::kAmbient));
@@ -85,7 +85,7 @@ TEST(Exposure, ALightThatReachesNothingIsLeftAlone) {
   away.kind = traces::Light::Kind::kDirectional;
   away.direction = {1, 0, 0};
   scene.lights.push_back(away);
-  traces::expose_lights(scene);
+  traces::scale_lights_to_exposure(scene);
   EXPECT_EQ(scene.lights[0].intensity, glm::vec3(1));
 }
 

@@ -255,8 +255,8 @@ TileWork rays_through(const MemoryImage& image, RayKind kind, const std::vector<
 }
 
 TEST(TileCode, WalksAreRestoredAndTakeAFewBitsPerStep) {
-  const std::vector<Scene> scenes = {with_flags(triangle_soup(2000, 0.3F)), grid_soup(500), one_triangle(),
-                                     sphere(40, 80)};
+  const std::vector<Scene> scenes = {with_transparent_triangles(triangle_soup(2000, 0.3F)), grid_soup(500),
+                                     one_triangle(), sphere(40, 80)};
   for (const Scene& scene : scenes) {
     for (const std::uint32_t leaf_size : {1U, 8U}) {
       const MemoryImage image = build_memory_image(scene, {.leaf_size = leaf_size}, 1);
@@ -276,7 +276,7 @@ TEST(TileCode, WalksAreRestoredAndTakeAFewBitsPerStep) {
 }
 
 TEST(TileCode, WalksThroughInstancesAreRestoredAndEntersTakeNoBits) {
-  for (const Scene& scene : {scattered(80), scattered(1), with_flags(triangle_soup(2000, 0.3F))}) {
+  for (const Scene& scene : {scattered(80), scattered(1), with_transparent_triangles(triangle_soup(2000, 0.3F))}) {
     const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}, 1);
     const TileScope scope{links_of(image), counts_of(image), 1, {}};
     for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {

@@ -28,7 +28,7 @@ constexpr int kOperatingPoints = 256;
 
 /// Returns the energy of the chip, without the memory, in a millisecond in which every unit is idle.
 sim::EnergyReport idle_energy(const RunConfig& config, std::span<const sim::UnitReport> units) {
-  return sim::compute_energy(idle_for_a_millisecond(units), config.energy, hw::dram_energy_events(config.gpu->dram),
+  return sim::compute_energy(idle_millisecond_reports(units), config.energy, hw::dram_energy_events(config.gpu->dram),
                              kMillisecond, power_scales(config));
 }
 
@@ -51,8 +51,8 @@ sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, c
       const auto block = idle.blocks.find(name);  // a machine may have no rasteriser
       if (block == idle.blocks.end()) continue;
       const sim::PowerScale scale = clocks.of(name);
-      sum += between_frames(config.power, block->second.leakage * scale.leakage,
-                            block->second.clock * (scale.dynamic * clocks.factor));
+      sum += remaining_between_frames(config.power, block->second.leakage * scale.leakage,
+                                      block->second.clock * (scale.dynamic * clocks.factor));
     }
   }
   return sum * kPicojoulesPerMillisecond;
@@ -90,7 +90,7 @@ class OperatingPoints {
       : config_(config),
         frames_(frames),
         idle_(idle),
-        memory_mw_(hw::dram_idle_mw(config.gpu->dram)),
+        memory_mw_(hw::dram_idle_power_mw(config.gpu->dram)),
         curves_(sim::voltage_curves(config.power)),
         own_(power_scales(config)) {}
 
@@ -100,7 +100,7 @@ class OperatingPoints {
                                [&](const ClockDomain& d) { return curves_.contains(std::string(d.name)); });
   }
 
-  RatedClocks at(double factor) const {
+  OperatingPoint at(double factor) const {
     const ScaledClocks clocks = scaled_clocks(factor);
     const sim::Band idle_mw = chip_idle_mw(config_, idle_, clocks) + memory_mw_;
     return {
@@ -135,7 +135,7 @@ class OperatingPoints {
 
 }  // namespace
 
-std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitReport> units) {
+std::vector<sim::UnitReport> idle_millisecond_reports(std::span<const sim::UnitReport> units) {
   constexpr std::uint64_t kCyclesPerMhz = 1000;
   std::vector<sim::UnitReport> idle;
   std::ranges::copy_if(units, std::back_inserter(idle), [](const sim::UnitReport& u) { return u.block != "dram"; });
@@ -151,19 +151,19 @@ std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitRep
 }
 
 sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport> units) {
-  return chip_idle_mw(config, idle_energy(config, units), {}) + hw::dram_idle_mw(config.gpu->dram);
+  return chip_idle_mw(config, idle_energy(config, units), {}) + hw::dram_idle_power_mw(config.gpu->dram);
 }
 
 bool FrameRate::is_met() const { return slowest_ms <= period_ms * (1 + kRateRounding); }
 
-FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames) {
+FrameRate evaluate_frame_rate(const RunConfig& config, const FinishedFrames& frames) {
   const sim::EnergyReport idle = idle_energy(config, frames.units);
   FrameRate rate;
   rate.fps = config.frame.fps;
   rate.period_ms = 1000 / rate.fps;
   rate.slowest_ms = frames.slowest_ms;
   rate.busy = frames.time_ms / frames.count / rate.period_ms;
-  rate.idle_mw = chip_idle_mw(config, idle, {}) + hw::dram_idle_mw(config.gpu->dram);
+  rate.idle_mw = chip_idle_mw(config, idle, {}) + hw::dram_idle_power_mw(config.gpu->dram);
   rate.power_w = mean_power_w(frames, rate.fps, frames.energy.total_pj, frames.time_ms, rate.idle_mw);
   rate.clock_factor = rate.slowest_ms / rate.period_ms;
   const OperatingPoints points(config, frames, idle);
@@ -171,7 +171,7 @@ FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames) {
   const double least = std::min(1.0, rate.clock_factor);
   rate.slowest = rate.best = points.at(least);
   for (int i = 1; i <= kOperatingPoints; ++i) {
-    RatedClocks point = points.at(least + (1 - least) * i / kOperatingPoints);
+    OperatingPoint point = points.at(least + (1 - least) * i / kOperatingPoints);
     if (point.power_w.nominal < rate.best->power_w.nominal) rate.best = std::move(point);
   }
   return rate;

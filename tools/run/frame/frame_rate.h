@@ -10,11 +10,11 @@
 namespace tools {
 
 /// Returns reports of the chip's units, without the memory's, for a millisecond in which all of them are idle.
-std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitReport> units);
+std::vector<sim::UnitReport> idle_millisecond_reports(std::span<const sim::UnitReport> units);
 
 /// Returns the energy or power of the chip between frames: the part of leakage and idle clocks that power.idle keeps.
 template <class Energy>
-Energy between_frames(const sim::PowerConfig& power, const Energy& leakage, const Energy& idle_clock) {
+Energy remaining_between_frames(const sim::PowerConfig& power, const Energy& leakage, const Energy& idle_clock) {
   switch (power.idle) {
     case sim::ChipIdle::kPowerGated:
       return leakage * power.idle_leakage;
@@ -40,7 +40,7 @@ struct FinishedFrames {
 };
 
 /// An operating point of the chip: all its clocks times a factor, each with the voltage that it needs.
-struct RatedClocks {
+struct OperatingPoint {
   double factor = 1;
   std::vector<double> mhz, volt;  ///< clock and voltage of each clock domain
   sim::Band power_w;              ///< mean power over a frame period at the target rate
@@ -53,8 +53,8 @@ struct FrameRate {
   sim::Band idle_mw;        ///< power between frames, in mW
   sim::Band power_w;        ///< mean power; if the rate is not met, energy per frame times rate
   double clock_factor = 0;  ///< factor of the slowest clocks that meet the rate if the number of cycles stays the same
-  std::optional<RatedClocks> slowest;  ///< operating point with clock_factor; empty if not met or without curves
-  std::optional<RatedClocks> best;     ///< operating point of least power between `slowest` and the configured clocks
+  std::optional<OperatingPoint> slowest;  ///< operating point with clock_factor; empty if not met or without curves
+  std::optional<OperatingPoint> best;  ///< operating point of least power between `slowest` and the configured clocks
 
   /// Returns the frame rate of the slowest frame divided by the target rate.
   double margin() const { return period_ms / slowest_ms; }
@@ -64,6 +64,6 @@ struct FrameRate {
 
 /// Evaluates finished frames at the target rate frame.fps, which is above 0. Operating points assume that a frame takes
 /// the same number of cycles at lower clocks. It takes fewer, because the memory keeps its clock.
-FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames);
+FrameRate evaluate_frame_rate(const RunConfig& config, const FinishedFrames& frames);
 
 }  // namespace tools

@@ -16,7 +16,7 @@ namespace tools {
 namespace {
 
 /// Calls f for each array of variable length in a tile.
-void each_array(auto& tile, auto&& f) {
+void for_each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
   f(work.raster), f(work.raster_triangles), f(work.list_runs);
@@ -62,7 +62,7 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   }
   std::unique_ptr<Slot> slot = std::move(spare_.back());
   spare_.pop_back();
-  each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
+  for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
   return slot;
 }
 
@@ -79,7 +79,7 @@ void FrontEnd::run_ahead() {
   kernels::TileBuffer buffer;
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || failure_ || next_tile_ == tile_count() || may_execute(); });
+    room_.wait(lock, [&] { return stop_ || failure_ || next_tile_ == tile_count() || can_execute_ahead(); });
     if (stop_ || failure_ || next_tile_ == tile_count()) return;
     try {
       ahead_.push_back(take_slot());
@@ -99,7 +99,7 @@ void FrontEnd::run_ahead() {
       slot.failure = std::current_exception();
     }
     std::uint64_t bytes = 0;
-    each_array(slot.tile, [&](const auto& array) { bytes += array.size() * sizeof(*array.data()); });
+    for_each_array(slot.tile, [&](const auto& array) { bytes += array.size() * sizeof(*array.data()); });
     lock.lock();
     slot.bytes = bytes;
     ahead_bytes_ += bytes;
@@ -141,7 +141,7 @@ const traces::TileWork* FrontEnd::take_tile() {
   return &handed_.back()->tile.work;
 }
 
-void FrontEnd::give_back(const traces::TileWork* work) {
+void FrontEnd::release_work(const traces::TileWork* work) {
   const std::lock_guard lock(mutex_);
   const auto slot = std::ranges::find_if(handed_, [&](const auto& s) { return &s->tile.work == work; });
   spare_.push_back(std::move(*slot));
@@ -149,7 +149,7 @@ void FrontEnd::give_back(const traces::TileWork* work) {
 }
 
 void FrontEnd::commit_slot(const Slot& slot) {
-  each_array(slot.tile, [longest = longest_.begin()](const auto& array) mutable {
+  for_each_array(slot.tile, [longest = longest_.begin()](const auto& array) mutable {
     *longest = std::max(*longest, array.size());
     ++longest;
   });
@@ -173,7 +173,7 @@ void FrontEnd::add_tile_costs(const kernels::TileResult& tile) {
 }
 
 void FrontEnd::finish_picture() {
-  if (result_.rgb.empty()) result_.rgb = program_.take_picture();
+  if (result_.rgb.empty()) result_.rgb = program_.move_picture_out();
   result_.sampling = program_.sampling();
   result_.marks = program_.sample_marks();
 }
@@ -207,8 +207,8 @@ const traces::TileWork* RunTiles::next() {
   return work;
 }
 
-void RunTiles::give_back(const traces::TileWork* work) {
-  front_end_.give_back(work);
+void RunTiles::release_work(const traces::TileWork* work) {
+  front_end_.release_work(work);
   finished_ += 1;
   if (watcher_ != nullptr && watcher_->frame_requested()) watcher_->publish_frame(front_end_.picture_so_far());
   ProgressBase all = former_ != nullptr ? *former_ : ProgressBase{};

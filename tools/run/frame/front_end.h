@@ -62,7 +62,7 @@ class FrontEnd final : public hw::TileSource {
   FrontEnd& operator=(const FrontEnd&) = delete;
 
   const traces::TileWork* next() override;
-  void give_back(const traces::TileWork* work) override;
+  void release_work(const traces::TileWork* work) override;
   const RenderResult& result() const { return result_; }
   /// Returns the picture of the tiles that next() has returned so far.
   const std::vector<float>& picture_so_far() const { return result_.rgb.empty() ? program_.picture() : result_.rgb; }
@@ -78,7 +78,7 @@ class FrontEnd final : public hw::TileSource {
     std::exception_ptr failure;  ///< exception thrown by the execution of the tile
   };
   void run_ahead();
-  bool may_execute() const {
+  bool can_execute_ahead() const {
     constexpr std::uint64_t kMaxBytes = 256U << 20;
     return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
   }
@@ -154,12 +154,12 @@ class RunTiles final : public hw::TileSource {
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
 
   /// Records the work of each tile; either argument may be null.
-  void record_to(traces::TraceWriter* trace, InMemoryTrace* kept) { trace_ = trace, kept_ = kept; }
+  void set_recorders(traces::TraceWriter* trace, InMemoryTrace* kept) { trace_ = trace, kept_ = kept; }
   void begin_part(const char* phase, std::uint32_t frame) const;
   void set_gpu(const hw::Gpu& gpu) { gpu_ = &gpu; }
   void set_watcher(RunWatcher* watcher) { watcher_ = watcher; }
   const traces::TileWork* next() override;
-  void give_back(const traces::TileWork* work) override;
+  void release_work(const traces::TileWork* work) override;
   std::uint32_t finished_tiles() const { return finished_; }
 
  private:

@@ -34,8 +34,8 @@ class MeasuredTiles final : public hw::TileSource {
     if (work != nullptr) steps_ += traces::count_steps(work->walk).total_steps();
     return work;
   }
-  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
-  double making_seconds() const { return making_; }
+  void release_work(const traces::TileWork* work) override { source_.release_work(work); }
+  double executing_cpu_seconds() const { return making_; }
   std::uint64_t step_count() const { return steps_; }
 
  private:
@@ -45,7 +45,7 @@ class MeasuredTiles final : public hw::TileSource {
 };
 
 /// Returns `count` indices that are spread evenly over a list of `all` entries.
-std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
+std::vector<std::uint32_t> evenly_spaced_indices(std::uint32_t all, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint64_t k = 0; k < count; ++k) {
     indices.push_back(static_cast<std::uint32_t>((2 * k + 1) * all / (2 * std::uint64_t{count})));
@@ -66,7 +66,7 @@ double estimate_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   std::uint64_t steps = 0;
   while (const traces::TileWork* work = front.next()) {
     steps += traces::count_steps(work->walk).total_steps();
-    front.give_back(work);
+    front.release_work(work);
   }
   const double looked_at = static_cast<double>(few.width) * few.height;
   return static_cast<double>(steps) / looked_at * samples;
@@ -86,7 +86,7 @@ HostRate measure_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
 HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer) {
   const std::uint32_t tiles = program.tiles();
   const std::uint32_t played = std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles));
-  FrontEnd front(program, tracer, 0, true, spread_over(tiles, played));
+  FrontEnd front(program, tracer, 0, true, evenly_spaced_indices(tiles, played));
   MeasuredTiles source(front);
   const auto gpu = make_gpu(inputs, program.requirements(), source);
   const double begin = sim::thread_seconds();
@@ -94,7 +94,8 @@ HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, cons
   const double all = sim::thread_seconds() - begin;
   if (source.step_count() == 0) return kUsualRate;
   const auto steps = static_cast<double>(source.step_count());
-  return {.functional = source.making_seconds() / steps, .machine = (all - source.making_seconds()) / steps};
+  return {.functional = source.executing_cpu_seconds() / steps,
+          .machine = (all - source.executing_cpu_seconds()) / steps};
 }
 
 double host_seconds_of_frame(double steps, const HostRate& rate, const RunParallelism& parallelism) {

@@ -360,7 +360,7 @@ namespace {
 /// Returns the report of an idle rasteriser, so that table entries of rasterisers are valid for frames without one.
 sim::UnitReport absent_rasteriser() {
   sim::UnitReport unit;
-  unit.path = hw::name_in_core(hw::RasterUnit::kName, 0);
+  unit.path = hw::unit_name_in_core(hw::RasterUnit::kName, 0);
   unit.block = names_of(hw::Block{})[static_cast<std::size_t>(hw::RasterUnit::kBlock)];
   const hw::RasterUnit::Stats none;
   hw::RasterUnit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,

@@ -76,12 +76,12 @@ class VariantRuns {
   }
 
   std::vector<FrameResult> run_all(std::uint32_t threads) {
-    parallel_for(all_.size(), threads, [this](std::size_t i, std::size_t) { play_one(i); });
+    parallel_for(all_.size(), threads, [this](std::size_t i, std::size_t) { simulate_variant(i); });
     return std::move(all_);
   }
 
  private:
-  void play_one(std::size_t i) {
+  void simulate_variant(std::size_t i) {
     InMemoryTraceProgram program(work_, requirements_, [&] { tile_done(); });
     const NoTracer no_tracer;
     FrontEnd tiles(program, no_tracer, 0);

@@ -14,7 +14,7 @@ namespace tools {
 class NoTiles final : public hw::TileSource {
  public:
   const traces::TileWork* next() override { return nullptr; }
-  void give_back(const traces::TileWork* /*work*/) override {}
+  void release_work(const traces::TileWork* /*work*/) override {}
 };
 
 /// Builds the machine that `inputs.config` describes.

@@ -57,8 +57,8 @@ sim::PowerScales power_scales(const RunConfig& config) {
   return scales;
 }
 
-RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
-                    const std::string& origin) {
+RunConfig config_at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
+                           const std::string& origin) {
   RunConfig config = base;
   config.power.voltage = sim::Voltage::kDvfs;
   for (const ClockDomain& domain : clock_domains()) {

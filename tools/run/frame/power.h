@@ -30,8 +30,8 @@ sim::PowerScales power_scales(const RunConfig& config);
 
 /// Returns a configuration in which the clocks of `domains` are multiplied by `factor` and each domain has the voltage
 /// that its clock needs. `origin`: name of the factor in errors.
-RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
-                    const std::string& origin);
+RunConfig config_at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
+                           const std::string& origin);
 
 /// Returns the nominal leakage power of the chip, without the memory, in mW. `energy`: energy of a frame that takes
 /// `ms` milliseconds.

@@ -57,7 +57,7 @@ struct PreparedProgram {
         frame(kernels::make_program(
             spec, {inputs.image, inputs.camera, render_of(inputs, extras.reference), inputs.config.programs,
                    extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
-    if (extras.marks) frame->keep_marks();
+    if (extras.marks) frame->enable_marks();
   }
   const kernels::RateMap first;
   const std::unique_ptr<kernels::FrameProgram> frame;
@@ -142,7 +142,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
                                         in.config.render.mip_maps);
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
-  in.parents = traces::parents_of(in.image);
+  in.parents = traces::parent_indices(in.image);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
@@ -153,7 +153,7 @@ void print_warnings(const std::vector<std::string>& lines, Progress* progress) {
   for (const std::string& line : lines) progress->print_line("raywatt: warning: " + line);
 }
 
-std::string inputs_key(const RunConfig& config) {
+std::string inputs_text(const RunConfig& config) {
   std::string key;
   for (const sim::FieldInfo& field : sim::list_fields(config)) {
     const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
@@ -173,7 +173,7 @@ bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
   in.camera = in.moving.cameras.front();
   if (moved.geometry) {
     traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
-    in.parents = traces::parents_of(in.image);
+    in.parents = traces::parent_indices(in.image);
   } else if (moved.lights) {
     in.image.lights = in.moving.lights;
   }
@@ -232,7 +232,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
     kept.emplace(make_in_memory_trace(inputs, requirements, frame, extras.requested_by));
   }
   begin_part(inputs, requirements, extras);
-  tiles.record_to(extras.trace, kept ? &*kept : nullptr);
+  tiles.set_recorders(extras.trace, kept ? &*kept : nullptr);
   hw::TileAccounting accounting(extras.itemised ? frame.tiles() : 0);
   hw::ObserverList observers;
   if (extras.itemised) observers.add(&accounting);
@@ -260,7 +260,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   collect_results(*gpu, inputs.config, s);
   if (is_warm) s.caches = std::make_shared<const hw::CacheContents>(gpu->cache_contents());
   s.tile_accounts = accounting.take_accounts();
-  s.rest = accounting.untiled_account();
+  s.rest = accounting.account_without_tile();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = tiles.finished_tiles();
@@ -296,9 +296,9 @@ RecordedFrame::RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& p
   const kernels::FrameRequirements requirements = made.frame->requirements();
   work_ = std::make_unique<Work>(
       Work{requirements, make_in_memory_trace(inputs, requirements, *made.frame, requested_by), {}});
-  tiles.record_to(nullptr, &work_->trace);
+  tiles.set_recorders(nullptr, &work_->trace);
   tiles.begin_part("rendering", inputs.frame);
-  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  while (const traces::TileWork* work = tiles.next()) tiles.release_work(work);
   work_->plain.program = program;
   work_->plain.rendered = front_end.result();
   work_->plain.tiles = work_->plain.finished_tiles = made.frame->tiles();
@@ -319,9 +319,9 @@ RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& prog
   FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
   RunTiles tiles(front_end, made.frame->tiles(), extras.progress);
   begin_part(inputs, made.frame->requirements(), extras);
-  tiles.record_to(extras.trace, nullptr);
+  tiles.set_recorders(extras.trace, nullptr);
   tiles.begin_part("rendering", inputs.frame);
-  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  while (const traces::TileWork* work = tiles.next()) tiles.release_work(work);
   if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
   if (extras.rates != nullptr) extras.rates->update_rates(front_end.result().sampling);
   return front_end.result();

@@ -60,7 +60,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
 /// Prints warnings to stderr, above a progress bar. No effect if `progress` is null.
 void print_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Returns a text of all keys and values that load_inputs() depends on. Equal texts mean equal inputs.
-std::string inputs_key(const RunConfig& config);
+std::string inputs_text(const RunConfig& config);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Throws Interrupted if an interrupt is pending.
 bool advance_frame(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);

@@ -136,7 +136,7 @@ std::vector<RunConfig> governor_configs(const RunConfig& config) {
   for (const ClockDomain& domain : clock_domains()) domains.emplace_back(domain.name);
   std::vector<RunConfig> configs;
   for (const double factor : governor_factors(config.thermal)) {
-    configs.push_back(at_clocks(config, domains, factor, fmt::format("thermal: clocks x {:.3g}", factor)));
+    configs.push_back(config_at_clocks(config, domains, factor, fmt::format("thermal: clocks x {:.3g}", factor)));
   }
   return configs;
 }
@@ -147,7 +147,7 @@ SustainSetup sustain_setup(const RunConfig& config) {
   setup.leakage_temperature = config.power.temperature;
   setup.leakage_doubling = config.power.leakage_doubling;
   setup.idle_leakage = config.power.idle == sim::ChipIdle::kPowerGated ? config.power.idle_leakage : 1;
-  setup.idle_memory_w = hw::dram_idle_mw(config.gpu->dram).nominal / kMilliwattsPerWatt;
+  setup.idle_memory_w = hw::dram_idle_power_mw(config.gpu->dram).nominal / kMilliwattsPerWatt;
   setup.seconds = 60 * config.thermal.minutes;
   setup.loop = std::min(setup.loop, setup.seconds);
   return setup;

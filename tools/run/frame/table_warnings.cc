@@ -41,7 +41,7 @@ std::vector<std::string> process_warnings(const RunConfig& config) {
 }
 
 std::vector<std::string> table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
-  std::vector<std::string> lines = sim::sizes_outside_curves(units, config.energy.events, config.area.arrays);
+  std::vector<std::string> lines = sim::curve_range_warnings(units, config.energy.events, config.area.arrays);
   std::ranges::move(latency_warnings(config), std::back_inserter(lines));
   std::ranges::move(power_warnings(config), std::back_inserter(lines));
   std::ranges::move(process_warnings(config), std::back_inserter(lines));

@@ -100,7 +100,7 @@ std::string run_details(const RunCheck& run) {
 }
 
 /// Returns the configuration keys that changed in at least one run, with old and new value, without duplicates.
-std::vector<KeyPair> differing_keys(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
+std::vector<KeyPair> differing_keys(const SuiteCheck& checked, std::vector<KeyPair> ChangedKeys::*of) {
   std::vector<KeyPair> out;
   for (const RunCheck& run : checked.runs) {
     for (const KeyPair& key : run.keys.*of) {
@@ -112,7 +112,7 @@ std::vector<KeyPair> differing_keys(const Checked& checked, std::vector<KeyPair>
 }
 
 /// Returns the run with changed values whose located unit is most certain; null if there is none.
-const RunCheck* most_certain_run(const Checked& checked) {
+const RunCheck* most_certain_run(const SuiteCheck& checked) {
   const RunCheck* best = nullptr;
   for (const RunCheck& run : checked.runs) {
     if (run.located && (best == nullptr || run.located->certainty > best->located->certainty)) best = &run;
@@ -133,7 +133,7 @@ std::string check_line(const RunCheck& run) {
 }
 
 /// Describes all runs that failed or changed: changed configuration keys, changed values and the located unit.
-std::string check_details(const Checked& checked) {
+std::string check_details(const SuiteCheck& checked) {
   constexpr std::size_t kMost = 6;
   std::vector<const RunCheck*> bad;
   for (const RunCheck& run : checked.runs) {
@@ -187,7 +187,7 @@ void check_junit(const std::filesystem::path& file, bool force) {
 }
 
 /// Writes the results of a suite as JUnit XML for continuous integration, one test case per run.
-void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked) {
+void write_junit(const std::filesystem::path& file, const Suite& suite, const SuiteCheck& checked) {
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
@@ -251,12 +251,12 @@ Suite suite_of(const BaselineOptions& options) {
   return suite;
 }
 
-Checked measure_suite(const Suite& suite, const Baseline* stored, const BaselineOptions& options) {
+SuiteCheck measure_suite(const Suite& suite, const Baseline* stored, const BaselineOptions& options) {
   return check_suite(suite, stored, host_threads(options.jobs), print_check_line);
 }
 
 /// Writes the measured values to the file of stored values, unless a run failed.
-int store_values(const Suite& suite, const Checked& checked) {
+int store_values(const Suite& suite, const SuiteCheck& checked) {
   if (const std::size_t failed = checked.count_if(has_failed); failed != 0) {
     print_to_terminal(fmt::format("\n{} of {} runs failed; nothing is stored\n", failed, checked.runs.size()));
     return kCheckFailed;
@@ -306,7 +306,7 @@ int check_baseline(const BaselineOptions& options) {
     throw sim::InputError(fmt::format("{}: has the run '{}', which is no longer in the suite; {}",
                                       suite.values.string(), names.front(), again));
   }
-  const Checked checked = measure_suite(suite, &stored, options);
+  const SuiteCheck checked = measure_suite(suite, &stored, options);
   print_to_terminal(check_details(checked));
   if (!options.junit.empty()) write_junit(options.junit, suite, checked);
   const std::size_t refused = checked.count_if(is_refused), failed = checked.count_if(has_failed),
@@ -335,7 +335,7 @@ int accept_baseline(const BaselineOptions& options) {
   for (const std::string& name : removed_runs(suite, stored)) {
     print_to_terminal(sim::printable(fmt::format("GONE     {}", name), kLongestLine) + "\n");
   }
-  const Checked checked = measure_suite(suite, &stored, options);
+  const SuiteCheck checked = measure_suite(suite, &stored, options);
   print_to_terminal(check_details(checked));
   return store_values(suite, checked);
 }

@@ -247,7 +247,7 @@ class KeptPaths {
   };
   /// Returns the report paths that `keep` of the suite chooses, in its order. A path that is chosen twice keeps its
   /// first position and its last tolerance.
-  std::vector<Chosen> choose_paths(const Values& all) {
+  std::vector<Chosen> select_report_paths(const Values& all) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
     std::vector<Chosen> out;
@@ -340,7 +340,7 @@ std::vector<std::string> find_refusals(const Facts& was, const std::string& embr
 std::optional<LocatedRegression> locate_in_run(const ChangedKeys& keys, const Values& was, const Values& is) {
   std::optional<LocatedRegression> best;
   for (const KeyPair& key : keys.changed) {
-    const auto found = largest_move_in(unit_of_key(key.key), was, is);
+    const auto found = largest_change_in_unit(unit_of_key(key.key), was, is);
     if (found && (!best || found->certainty > best->certainty)) best = found;
   }
   return best ? best : locate_regression(was, is);
@@ -389,14 +389,14 @@ void find_moved(const StoredRun& stored, const std::vector<KeptPaths::Chosen>& c
 
 }  // namespace
 
-std::size_t Checked::count_if(bool (*predicate)(const RunCheck&)) const {
+std::size_t SuiteCheck::count_if(bool (*predicate)(const RunCheck&)) const {
   return static_cast<std::size_t>(std::ranges::count_if(runs, predicate));
 }
 
-Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
-                    const std::function<void(const RunCheck&)>& report) {
+SuiteCheck check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
+                       const std::function<void(const RunCheck&)>& report) {
   check_report_paths(suite, jobs);
-  Checked out;
+  SuiteCheck out;
   out.now.embree = traces::embree_version();
   KeptPaths kept_paths(suite);
   Values one_of_them;
@@ -406,7 +406,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
     run.seconds = measured.seconds;
     run.error = measured.error;
     if (run.error.empty()) {
-      const std::vector<KeptPaths::Chosen> chosen = kept_paths.choose_paths(measured.all);
+      const std::vector<KeptPaths::Chosen> chosen = kept_paths.select_report_paths(measured.all);
       run.values = chosen.size();
       StoredRun& now = out.now.runs[named.name];
       now.facts = measured.facts;
@@ -540,7 +540,7 @@ struct Move {
   double difference() const { return is - was; }
 };
 
-std::vector<Move> all_moves(const Values& was, const Values& is) {
+std::vector<Move> reason_time_changes(const Values& was, const Values& is) {
   std::vector<Move> out;
   for (const auto& [unit, declared] : hw::kUnitKinds) {
     const std::string prefix = fmt::format("units.{}.why.", unit);
@@ -615,7 +615,7 @@ struct TrafficPath {
 };
 
 /// Returns the paths between memory levels whose time is known in both runs.
-std::vector<TrafficPath> traffic_paths(const Values& was, const Values& is) {
+std::vector<TrafficPath> timed_memory_paths(const Values& was, const Values& is) {
   std::vector<TrafficPath> out;
   const auto add = [&](const char* name, Traffic (*traffic)(const Values&)) {
     const std::optional<double> before = traffic(was).time_between(), after = traffic(is).time_between();
@@ -648,7 +648,7 @@ struct Own {
   const Move* most = nullptr;
 };
 
-std::vector<Own> own_work(const std::vector<Move>& moves) {
+std::vector<Own> work_changes(const std::vector<Move>& moves) {
   std::vector<Own> out;
   for (const Move& move : moves) {
     if (move.kind != sim::ReasonKind::kWorking || move.difference() == 0) continue;
@@ -666,8 +666,8 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   const auto units = was.lower_bound("units.");
   if (units == was.end() || !units->first.starts_with("units."))
     return std::nullopt;  // the suite does not keep counters of units
-  const std::vector<Move> moves = all_moves(was, is);
-  const std::vector<Own> owns = own_work(moves);
+  const std::vector<Move> moves = reason_time_changes(was, is);
+  const std::vector<Own> owns = work_changes(moves);
   constexpr double kNoticeable = 0.1;  // minimum share of the largest other change; chosen by hand
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
@@ -675,7 +675,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   const auto most = std::ranges::max_element(owns, {}, [](const Own& own) { return std::abs(own.difference); });
   const double own = most == owns.end() ? 0 : std::abs(most->difference);
 
-  const std::vector<TrafficPath> counted = traffic_paths(was, is);
+  const std::vector<TrafficPath> counted = timed_memory_paths(was, is);
   const auto way = std::ranges::max_element(counted, {}, [](const TrafficPath& w) { return std::abs(w.difference()); });
   const double on_way = way == counted.end() ? 0 : std::abs(way->difference());
   if (own > 0 && own >= kNoticeable * std::max(cycles, on_way)) {
@@ -699,8 +699,8 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   return {};
 }
 
-std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Values& was, const Values& is) {
-  const std::vector<Move> moves = all_moves(was, is);
+std::optional<LocatedRegression> largest_change_in_unit(std::string_view unit, const Values& was, const Values& is) {
+  const std::vector<Move> moves = reason_time_changes(was, is);
   const Move* most = nullptr;
   double own = 0, all = 0;  // change of the unit's working time, and of all units' working time
   for (const Move& move : moves) {

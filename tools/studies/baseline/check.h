@@ -55,7 +55,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
 
 /// Finds the cycle reason whose time changed most in a unit whose configuration keys changed. The certainty is the
 /// unit's share of the change of working time in all units. Returns nothing if no time of the unit changed.
-std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Values& was, const Values& is);
+std::optional<LocatedRegression> largest_change_in_unit(std::string_view unit, const Values& was, const Values& is);
 
 /// A report value of a run that differs from its stored value. `was` is empty if it is not stored, `is` if the run does
 /// not have it.
@@ -82,7 +82,7 @@ struct RunCheck {
 };
 
 /// The results of all runs of a suite, compared with the stored values.
-struct Checked {
+struct SuiteCheck {
   std::vector<RunCheck> runs;
   Baseline now;  ///< new values, of the runs that have results
   std::size_t count_if(bool (*predicate)(const RunCheck&)) const;
@@ -91,7 +91,7 @@ struct Checked {
 /// Simulates a suite, `jobs` runs at once, and calls `report` for each run in order. `stored`: values to compare with,
 /// or null. Throws InputError if a path in `keep` matches no run. Misspelt paths are found by short trial runs before
 /// the suite is simulated.
-Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
-                    const std::function<void(const RunCheck&)>& report);
+SuiteCheck check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
+                       const std::function<void(const RunCheck&)>& report);
 
 }  // namespace tools

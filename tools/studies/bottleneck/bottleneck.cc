@@ -41,10 +41,10 @@ CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) 
 }
 
 /// Returns the statistics of the cycle counts of a run and its replicates.
-Draws plays_of(const FrameResult& run) {
+Draws cycle_draws(const FrameResult& run) {
   std::vector<double> cycles = {static_cast<double>(run.cycles)};
   for (const FrameResult& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
-  return draws_of(cycles);
+  return draw_statistics(cycles);
 }
 
 std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time) {
@@ -67,9 +67,9 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
 
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
   const auto seen = [&](const Draws& plays) {
-    return plays.count > 1 ? SeenFigure{plays.mean, plays} : SeenFigure{plays.mean, {}, found.assumed_noise};
+    return plays.count > 1 ? MeasuredFigure{plays.mean, plays} : MeasuredFigure{plays.mean, {}, found.assumed_noise};
   };
-  const SeenFigure plain = seen(found.plays), ideal = seen(bound.plays);
+  const MeasuredFigure plain = seen(found.plays), ideal = seen(bound.plays);
   const MeanDifference saved = difference_of(ideal, plain);
   return {plain.value / ideal.value, saved.half_width() / ideal.value, std::abs(saved.value) > saved.half_width()};
 }
@@ -92,7 +92,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .named = largest_speedup(estimates).resource,
                    .bounds = {},
                    .caches = cache_shares(measured.units, time),
-                   .plays = plays_of(measured),
+                   .plays = cycle_draws(measured),
                    .assumed_noise = default_noise(pixels, "cycles"),
                    .warnings = inputs.warnings};
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
@@ -101,7 +101,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
     ideal = true;
     const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;
     const FrameResult bound = play(resource.words);
-    found.bounds.push_back({resource.name, bound.cycles, estimated, plays_of(bound)});
+    found.bounds.push_back({resource.name, bound.cycles, estimated, cycle_draws(bound)});
     ideal = configured;
   }
   return found;

@@ -502,7 +502,7 @@ std::string picture_text(const Comparison& c) {
 
 /// Replaces the keys of the parts of a core's time by descriptions: "tree misses: DRAM".
 std::vector<MetricPair> describe_time_parts(std::vector<MetricPair> times) {
-  for (MetricPair& time : times) time.name = part_words(time.name);
+  for (MetricPair& time : times) time.name = describe_time_part(time.name);
   return times;
 }
 

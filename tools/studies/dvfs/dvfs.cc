@@ -73,7 +73,7 @@ namespace {
 constexpr double kFactorStep = 1.005;
 
 /// Adds the geometric mean of the clock factors of points `i` and `k` to `out`, unless the points are close.
-void add_between(const DvfsCurve& curve, std::size_t i, std::size_t k, std::vector<double>& out) {
+void add_middle_factor(const DvfsCurve& curve, std::size_t i, std::size_t k, std::vector<double>& out) {
   const double low = curve.points[i].factor, high = curve.points[k].factor;
   if (high / low > kFactorStep) out.push_back(std::sqrt(low * high));
 }
@@ -89,7 +89,8 @@ class ClockScan {
   void add_points(const std::vector<double>& factors, DvfsCurve& curve) {
     std::vector<RunConfig> configs;
     for (const double factor : factors) {
-      configs.push_back(at_clocks(inputs_.config, options_.domains, factor, fmt::format("--factors {}", factor)));
+      configs.push_back(
+          config_at_clocks(inputs_.config, options_.domains, factor, fmt::format("--factors {}", factor)));
     }
     const std::vector<FrameResult> runs = frame_.simulate(configs);
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -111,11 +112,11 @@ std::vector<double> factors_to_try(const DvfsCurve& curve) {
   std::vector<double> out;
   const auto meets = [&](std::size_t i) { return curve.points[i].period_mj >= 0; };
   for (std::size_t i = 1; i < curve.points.size(); ++i) {
-    if (meets(i) && !meets(i - 1)) add_between(curve, i - 1, i, out);
+    if (meets(i) && !meets(i - 1)) add_middle_factor(curve, i - 1, i, out);
   }
   const std::size_t best = curve.least_a_period;
-  if (best > 0) add_between(curve, best - 1, best, out);
-  if (best + 1 < curve.points.size()) add_between(curve, best, best + 1, out);
+  if (best > 0) add_middle_factor(curve, best - 1, best, out);
+  if (best + 1 < curve.points.size()) add_middle_factor(curve, best, best + 1, out);
   std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
@@ -179,16 +180,16 @@ std::string dvfs_text(const DvfsCurve& curve) {
       mhz += fmt::format("{}{:.4g}", d == 0 ? "" : "/", p.mhz[d]);
       volt += fmt::format("{}{:.3f}", d == 0 ? "" : "/", p.volt[d]);
     }
-    table.add_row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digits(p.ms),
-                   sim::four_digits(p.frames_per_second()), sim::four_digits(p.power_w()),
-                   sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
-                   p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
+    table.add_row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digit_text(p.ms),
+                   sim::four_digit_text(p.frames_per_second()), sim::four_digit_text(p.power_w()),
+                   sim::four_digit_text(p.mj.nominal), sim::four_digit_text(1000 / p.mj.nominal),
+                   p.period_mj < 0 ? std::string("too slow") : sim::four_digit_text(p.period_mj), marks_of(curve, i)});
   }
   const bool is_met = curve.points[curve.least_a_period].period_mj >= 0;
   return fmt::format(
       "clocks and voltages of T&I units / shader cores / L2; the memory clock is constant\n\n{}\n"
       "a period is {} ms, {} frames/s: a frame, then idle{}\n",
-      table.text(), sim::four_digits(curve.period_ms), sim::four_digits(1000 / curve.period_ms),
+      table.text(), sim::four_digit_text(curve.period_ms), sim::four_digit_text(1000 / curve.period_ms),
       is_met ? "" : "; no clock of the curve is fast enough");
 }
 

@@ -34,7 +34,7 @@ struct TableChange {
 };
 
 /// The energy of a run under its own energy tables and under new ones.
-struct Priced {
+struct RepricedRun {
   std::string run;                                          ///< path of the run or sweep
   std::string n{};                                          ///< number of the point, for a point of a sweep
   std::vector<std::pair<std::string, std::string>> axes{};  ///< axis names and values of the point
@@ -62,10 +62,10 @@ std::string changes_text(const std::vector<TableChange>& changes) {
 }
 
 /// Returns notes on the reliability of the repriced energies.
-std::string notes_text(const std::vector<Priced>& runs) {
+std::string notes_text(const std::vector<RepricedRun>& runs) {
   std::set<std::size_t> plays;
   std::set<std::string> extrapolated;
-  for (const Priced& run : runs) {
+  for (const RepricedRun& run : runs) {
     if (run.plays > 1) plays.insert(run.plays);
     extrapolated.insert(run.extrapolated.begin(), run.extrapolated.end());
   }
@@ -75,11 +75,11 @@ std::string notes_text(const std::vector<Priced>& runs) {
   return out;
 }
 
-std::string run_text(const Priced& run) {
+std::string run_text(const RepricedRun& run) {
   std::string out = fmt::format("{}\n{}\n", sim::printable(run.run, 1000), changes_text(run.changes));
   sim::Table table({"mJ", "own nominal", "low", "nominal", "high", ""});
   const auto row = [&](const std::string& name, const Json& own, const Json& repriced) {
-    const auto text = [](const Json& s, const char* side) { return sim::four_digits(s[side].get<double>()); };
+    const auto text = [](const Json& s, const char* side) { return sim::four_digit_text(s[side].get<double>()); };
     table.add_row({name, text(own, "nominal"), text(repriced, "low"), text(repriced, "nominal"), text(repriced, "high"),
                    percent_text(number_in(own, "/nominal"), number_in(repriced, "/nominal"))});
   };
@@ -95,12 +95,12 @@ std::string run_text(const Priced& run) {
                                       {"nJ per ray", "/perf/nj_per_ray"},
                                       {"frames/J GPU with memory", "/perf/frames_per_joule_gpu"},
                                       {"frames/J T&I alone", "/perf/frames_per_joule_tni"}}) {
-    out += fmt::format("{} {}, by its own table {}\n", sim::four_digits(number_in(run.repriced, pointer)), name,
-                       sim::four_digits(number_in(run.own, pointer)));
+    out += fmt::format("{} {}, by its own table {}\n", sim::four_digit_text(number_in(run.repriced, pointer)), name,
+                       sim::four_digit_text(number_in(run.own, pointer)));
   }
   if (run.repriced.contains("power_at_fps_w")) {
     out += fmt::format("{} W at the target frame rate\n",
-                       sim::four_digits(number_in(run.repriced, "/power_at_fps_w/nominal")));
+                       sim::four_digit_text(number_in(run.repriced, "/power_at_fps_w/nominal")));
   }
   return out + notes_text({run});
 }
@@ -114,9 +114,9 @@ double total_at(const Json& totals, std::string path) {
   return number_in(totals, ("/" + path).c_str());
 }
 
-std::vector<std::string> axes_of(const std::vector<Priced>& runs) {
+std::vector<std::string> axes_of(const std::vector<RepricedRun>& runs) {
   std::vector<std::string> axes;
-  for (const Priced& run : runs) {
+  for (const RepricedRun& run : runs) {
     for (const auto& [axis, value] : run.axes) {
       if (std::ranges::find(axes, axis) == axes.end()) axes.push_back(axis);
     }
@@ -125,7 +125,7 @@ std::vector<std::string> axes_of(const std::vector<Priced>& runs) {
 }
 
 /// Returns the run's value on each axis of `axes`; empty for axes that it does not have.
-std::vector<std::string> axis_cells(const Priced& run, const std::vector<std::string>& axes) {
+std::vector<std::string> axis_cells(const RepricedRun& run, const std::vector<std::string>& axes) {
   std::vector<std::string> cells;
   for (const std::string& axis : axes) {
     const auto found = std::ranges::find(run.axes, axis, [](const auto& a) { return a.first; });
@@ -134,18 +134,18 @@ std::vector<std::string> axis_cells(const Priced& run, const std::vector<std::st
   return cells;
 }
 
-std::string points_text(const std::vector<Priced>& points) {
+std::string points_text(const std::vector<RepricedRun>& points) {
   const std::vector<std::string> axes = axes_of(points);
   std::vector<std::string> header = {"n"};
   header.insert(header.end(), axes.begin(), axes.end());
   header.emplace_back("own energy_mj.nominal");
   header.insert(header.end(), kColumns.begin(), kColumns.end());
   sim::Table table(header);
-  for (const Priced& point : points) {
+  for (const RepricedRun& point : points) {
     std::vector<std::string> row = {point.n};
     for (const std::string& cell : axis_cells(point, axes)) row.push_back(sim::printable(cell));
-    row.push_back(sim::four_digits(total_at(point.own, "energy_mj.nominal")));
-    for (const char* path : kColumns) row.push_back(sim::four_digits(total_at(point.repriced, path)));
+    row.push_back(sim::four_digit_text(total_at(point.own, "energy_mj.nominal")));
+    for (const char* path : kColumns) row.push_back(sim::four_digit_text(total_at(point.repriced, path)));
     table.add_row(std::move(row));
   }
   return fmt::format("{}\n{}\n{}{}", sim::printable(points.front().run, 1000), changes_text(points.front().changes),
@@ -153,9 +153,9 @@ std::string points_text(const std::vector<Priced>& points) {
 }
 
 /// Formats energies for a terminal: a text for each run, a table for each sweep.
-std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
+std::string priced_text(const std::vector<std::vector<RepricedRun>>& groups) {
   std::string out;
-  for (const std::vector<Priced>& group : groups) {
+  for (const std::vector<RepricedRun>& group : groups) {
     out += out.empty() ? "" : "\n";
     out += group.front().n.empty() ? run_text(group.front()) : points_text(group);
   }
@@ -163,7 +163,7 @@ std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
 }
 
 /// Formats energies as CSV with one line per run and all digits of the numbers.
-std::string priced_csv(const std::vector<Priced>& runs) {
+std::string priced_csv(const std::vector<RepricedRun>& runs) {
   const std::vector<std::string> axes = axes_of(runs);
   std::vector<std::string> header = {"run", "n"};
   header.insert(header.end(), axes.begin(), axes.end());
@@ -171,7 +171,7 @@ std::string priced_csv(const std::vector<Priced>& runs) {
   for (const char* path : kColumns) header.push_back(fmt::format("totals.{}", path));
   header.insert(header.end(), {"plays", "extrapolated"});
   std::string out = results::csv_line(header);
-  for (const Priced& run : runs) {
+  for (const RepricedRun& run : runs) {
     std::vector<std::string> row = {run.run, run.n};
     std::ranges::move(axis_cells(run, axes), std::back_inserter(row));
     row.push_back(fmt::format("{}", total_at(run.own, "energy_mj.nominal")));
@@ -184,9 +184,9 @@ std::string priced_csv(const std::vector<Priced>& runs) {
 }
 
 /// Formats energies as JSON, schema raywatt-price/1.
-std::string priced_json(const std::vector<Priced>& runs) {
+std::string priced_json(const std::vector<RepricedRun>& runs) {
   Json out = {{"schema", "raywatt-price/1"}, {"runs", Json::array()}};
-  for (const Priced& run : runs) {
+  for (const RepricedRun& run : runs) {
     Json entry = {{"run", run.n.empty() ? run.run : run.n}};
     if (!run.n.empty()) entry["sweep"] = run.run;
     entry.update({{"axes", Json::object()}, {"changes", Json::array()}});
@@ -242,13 +242,14 @@ Json priced_totals(const PricedRun& run) {
   Json totals = energy_totals_json(run.energy(), run.work());
   if (const double fps = run.config().frame.fps; fps > 0) {
     sim::Band power;
-    for (const sim::BandMember side : sim::kBandMembers) power.*side = fps * run.of_period(side) * kJoulesPerPicojoule;
+    for (const sim::BandMember side : sim::kBandMembers)
+      power.*side = fps * run.period_energy_pj(side) * kJoulesPerPicojoule;
     totals["power_at_fps_w"] = sim::band_json(power);
   }
   return totals;
 }
 
-Priced price_run(const std::string& run, const ReportFile& report, const PriceTable& table) {
+RepricedRun price_run(const std::string& run, const ReportFile& report, const PriceTable& table) {
   const PricedRun own(report), repriced(report, table);
   return {.run = run,
           .own = priced_totals(own),
@@ -258,10 +259,10 @@ Priced price_run(const std::string& run, const ReportFile& report, const PriceTa
           .extrapolated = repriced.extrapolation_warnings()};
 }
 
-std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
+std::vector<RepricedRun> price_sweep(const fs::path& path, const PriceTable& table) {
   const auto folder = sweep::SweepFolder::open(path);
   const sweep::Store store = folder.store();
-  std::vector<Priced> out;
+  std::vector<RepricedRun> out;
   results::StatusCounts counts;
   for (const sweep::Point& point : folder.read_points()) {
     const std::optional<std::string> report = store.read_report(point.id);
@@ -280,16 +281,16 @@ std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
 }  // namespace
 
 std::string price_text(const std::vector<fs::path>& paths, const PriceTable& table, PriceFormat format) {
-  std::vector<std::vector<Priced>> priced;
+  std::vector<std::vector<RepricedRun>> priced;
   std::error_code ignored;
   for (const fs::path& path : paths) {
     priced.push_back(fs::exists(path / "sweep.json", ignored)
                          ? price_sweep(path, table)
-                         : std::vector<Priced>{price_run(path.string(), load_report(path), table)});
+                         : std::vector<RepricedRun>{price_run(path.string(), load_report(path), table)});
   }
   if (format == PriceFormat::kText) return priced_text(priced);
-  std::vector<Priced> runs;
-  for (std::vector<Priced>& group : priced) std::ranges::move(group, std::back_inserter(runs));
+  std::vector<RepricedRun> runs;
+  for (std::vector<RepricedRun>& group : priced) std::ranges::move(group, std::back_inserter(runs));
   return format == PriceFormat::kJson ? priced_json(runs) : priced_csv(runs);
 }
 

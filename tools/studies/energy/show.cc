@@ -111,7 +111,7 @@ class Layers {
   /// Appends the factor of each value below `prefix` to its origin.
   void add_scale(const std::string& prefix, const sim::YamlNode& factors,
                  const std::function<std::string(int)>& origin) {
-    sim::FigureScale keys;
+    sim::BandScale keys;
     std::map<std::string, std::string> texts;
     for (const sim::YamlNode::Entry& entry : factors.entries) {
       keys.add(entry.key, {});
@@ -306,7 +306,7 @@ void add_names(const EnergyEntry& entry, std::set<std::string>& known) {
   }
 }
 
-bool is_meant(const std::string& entry, const std::string& name) {
+bool is_selected_entry(const std::string& entry, const std::string& name) {
   const std::string full = "." + entry;
   return name.empty() || full.ends_with("." + name) || full.find("." + name + ".") != std::string::npos;
 }
@@ -330,7 +330,7 @@ std::string describe_energy_entries(const JobOptions& options, const std::string
   for (EnergyEntry& entry : energy_entries(config)) {
     std::ranges::sort(entry.figures, {}, size_of);
     add_names(entry, known);
-    if (!is_meant(entry.name, sim::event_name_of(name))) continue;
+    if (!is_selected_entry(entry.name, sim::event_name_of(name))) continue;
     out += (out.empty() ? "" : "\n") + entry_text(entry, users, origins);
   }
   if (out.empty()) {

@@ -201,7 +201,7 @@ class MemorySide {
     for (std::uint32_t core = 0; core < config.cores; ++core) {
       memory_.declare_ports();
       for (const auto& [clock, cache] : first_level_caches(config)) {
-        const sim::UnitId unit = machine_.unit({hw::name_in_core("core.reader", core), clock, core + 1});
+        const sim::UnitId unit = machine_.unit({hw::unit_name_in_core("core.reader", core), clock, core + 1});
         const hw::MemoryPort port = memory_.add_cache_client(core, {unit, cache.mshrs});
         readers_.push_back(&machine_.build<Reader>(unit, clock, cache, port.client, port.requests, port.responses));
       }

@@ -136,7 +136,7 @@ struct EqualRays {
   std::vector<sim::Time> hits{};
   std::uint32_t ray_count() const { return kRays; }
   const std::uint32_t* ray_walk(std::uint32_t) const { return steps.data(); }
-  void note_returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
+  void record_return_time(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 
 /// Test harness for a T&I unit whose caches always hit: sends identical rays and receives their results.
@@ -356,7 +356,7 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
       for (std::uint32_t test = 0; test < tests; ++test)
         exits[static_cast<std::size_t>(traces::phase_of(work->walk[at], test)) - 1] += 1;
     }
-    front_end.give_back(work);
+    front_end.release_work(work);
   }
   return exits;
 }

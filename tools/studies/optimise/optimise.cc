@@ -113,7 +113,7 @@ std::string noise_text(const SearchRun& search) {
   };
   for (const Trial* trial : search.feasible_trials()) {
     for (std::size_t g = 0; g < search.goals().size() && search.goals()[g].is_objective(); ++g) {
-      const SeenFigure& seen = trial->seen[g];
+      const MeasuredFigure& seen = trial->seen[g];
       if (seen.draws) add(parts, fmt::format("noise measured by {} replicates per point", seen.draws->count));
       if (seen.assumed <= 0) continue;
       const std::string share = fmt::format("{:.2g} %", 100 * seen.assumed);
@@ -244,7 +244,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
       header.emplace_back("95 %");
       std::vector<std::string>& intervals = columns.emplace_back();
       for (const Trial* trial : trials) {
-        const SeenFigure& seen = trial->seen[g];
+        const MeasuredFigure& seen = trial->seen[g];
         const double share = seen.value == 0 ? 0 : seen.half_width() / std::abs(seen.value);
         intervals.push_back(fmt::format("± {:.2g} %", 100 * share));
       }

@@ -74,12 +74,12 @@ std::vector<ReportNumber> metric_values_of(sim::Json json) {
 }
 
 /// Returns a number of a report with its noise: of its replicates, or as assumed for the size of the picture.
-SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& metric) {
+MeasuredFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& metric) {
   const auto at = [&](const std::string& path) -> std::optional<double> {
     const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
     return found == numbers.end() ? std::nullopt : std::optional(found->value);
   };
-  const std::string name = is_total(metric.path) ? metric_name(metric.path) : std::string();
+  const std::string name = is_totals_path(metric.path) ? metric_name(metric.path) : std::string();
   if (!is_noisy(name)) return {.value = metric.value};
   const std::string draws = "totals.replicates.figures." + name;
   const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");
@@ -135,7 +135,7 @@ void SearchRun::read_metrics(Trial& trial, const sweep::Store& store) {
       trial.seen.clear();
       return;
     }
-    const SeenFigure seen = seen_figure(numbers, *number);
+    const MeasuredFigure seen = seen_figure(numbers, *number);
     trial.metrics.push_back(seen.value);
     trial.seen.push_back(seen);
     trial.is_feasible = trial.is_feasible && goal.is_met(seen.value);
@@ -213,8 +213,8 @@ bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, s
       if (is_done) search_.add_first_look(choices[c], trial.metrics);
     } else {
       std::vector<double> errors;
-      std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::standard_error);
-      const bool are_assumed = std::ranges::any_of(trial.seen, [](const SeenFigure& s) { return s.assumed > 0; });
+      std::ranges::transform(trial.seen, std::back_inserter(errors), &MeasuredFigure::standard_error);
+      const bool are_assumed = std::ranges::any_of(trial.seen, [](const MeasuredFigure& s) { return s.assumed > 0; });
       search_.add_result(choices[c], is_done ? std::optional(trial.metrics) : std::nullopt, errors, are_assumed);
     }
   }

@@ -26,7 +26,7 @@ struct Trial {
   bool is_feasible = false;                 ///< it meets all constraints
   std::uint32_t batch = 0;                  ///< number of the batch in which it was simulated
   std::vector<double> metrics;              ///< per goal; means of the replicates, if any
-  std::vector<SeenFigure> seen;             ///< the metrics with their noise
+  std::vector<MeasuredFigure> seen;         ///< the metrics with their noise
   std::string error;                        ///< reason that there are no metrics
   std::vector<std::string> extrapolations;  ///< warnings of its report about extrapolated metrics
 };

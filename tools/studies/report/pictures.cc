@@ -61,7 +61,7 @@ Json page_number(double value) {
 }
 
 /// Returns the side in pixels of the smallest squares with which at most `max_squares` cover a picture.
-std::uint32_t square_for(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
+std::uint32_t averaging_square_side(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
   std::uint32_t square = 1;
   while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > max_squares) ++square;
   return square;
@@ -92,7 +92,7 @@ std::optional<std::string> page_picture(const std::filesystem::path& file, std::
     const std::string bytes = sim::read_file(file, kLargestFile);
     const traces::Texture picture =
         traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
-    const std::uint32_t square = square_for(picture.width, picture.height, max_pixels);
+    const std::uint32_t square = averaging_square_side(picture.width, picture.height, max_pixels);
     if (square == 1) return data_url("image/png", bytes);
     return data_url("image/png", traces::encode_png(average_squares(picture, square)));
   } catch (const sim::InputError& error) {
@@ -179,7 +179,7 @@ const Json& first_frame_of(const ReportFile& report) {
 
 /// Returns for each tile the times of its first dispatch and last finish, in us, and its core. Times of tiles without a
 /// row are null.
-Json times_of(const TileGrid& grid, const TileFrame& tiles, double us_per_cycle) {
+Json tile_times_json(const TileGrid& grid, const TileFrame& tiles, double us_per_cycle) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const std::vector<double>&begin = tile_column(tiles, "dispatched"), &end = tile_column(tiles, "finished"),
         &core = tile_column(tiles, "core");
@@ -210,7 +210,7 @@ void add_tiles(const ReportFile& report, Overlays& out) {
                          {"high", most > 0 ? most : 1}});
   }
   const double cycles = report.number("totals.cycles");
-  if (cycles > 0) out.times = times_of(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
+  if (cycles > 0) out.times = tile_times_json(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
 }
 
 /// Adds two overlays of a frame with adaptive sampling. They show for each tile the share of similar samples and the
@@ -273,7 +273,7 @@ void add_pixels(const ReportFile& report, Overlays& out) {
   const traces::FloatImage image = traces::read_exr(report.file.parent_path() / kPixelsFile);
   if (image.width != report.number("resolution[0]") || image.height != report.number("resolution[1]"))
     throw sim::InputError("pixels.exr has another size than the picture");
-  const std::uint32_t square = square_for(image.width, image.height, kMostPixels);
+  const std::uint32_t square = averaging_square_side(image.width, image.height, kMostPixels);
   const std::string suffix = square == 1 ? "" : fmt::format(", means of {}x{} pixels", square, square);
   const auto add = [&](std::size_t channel, const char* id, const std::string& name) {
     Json grid = pixel_overlay(image, channel, square, id, name + suffix);

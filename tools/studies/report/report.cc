@@ -82,7 +82,7 @@ Json unit_kinds_json() {
 }
 
 /// Returns the name of the resource that limits the initiation interval of a kernel.
-std::string bound_of(const hw::KernelSchedule& s, const hw::ArrayConfig& array) {
+std::string limiting_resource_name(const hw::KernelSchedule& s, const hw::ArrayConfig& array) {
   using hw::OpClass;
   if (s.rec_mii >= s.ii) return "values from item to item";
   const auto ops = [&](OpClass op) { return static_cast<double>(s.ops[static_cast<std::size_t>(op)]); };
@@ -112,7 +112,7 @@ Json kernels_json(const ReportFile& report, const PricedRun* priced) {
     const hw::SrpConfig& srp = priced->config().gpu->srp;
     const hw::KernelSchedule schedule = hw::schedule_kernel(info->graph, srp);
     if (schedule.ii == report.number(fmt::format("totals.kernels.{}.ii", name)))
-      out[name]["bound"] = bound_of(schedule, srp.array);
+      out[name]["bound"] = limiting_resource_name(schedule, srp.array);
   }
   return out;
 }

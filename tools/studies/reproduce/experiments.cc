@@ -50,13 +50,13 @@ View view_of_lee(const std::string& scene, bool quick) {
   return view;
 }
 
-Case mode_of(const View& view, bool super, bool quick) {
+Case multirate_case(const View& view, bool super, bool quick) {
   const std::string setting = super ? "super" : "under";
   return case_of(view, setting, 2048, 1024, {"multirate:" + setting}, {super ? "full:4" : "full:1"}, quick);
 }
 
-Case whole_frame(const View& view, bool super, bool quick) {
-  Case c = mode_of(view, super, quick);
+Case whole_frame_case(const View& view, bool super, bool quick) {
+  Case c = multirate_case(view, super, quick);
   c.metrics = {{"table 1", "psnr_db"}};
   add_metrics(c, "whole frame",
               {"traced_ratio", "work_ratio", "speedup", "speedup_x_work", "tni_power", "tni_perf_per_watt",
@@ -66,7 +66,7 @@ Case whole_frame(const View& view, bool super, bool quick) {
 }
 
 Case tni_alone_machine(const View& view, bool super, bool quick) {
-  Case c = mode_of(view, super, quick);
+  Case c = multirate_case(view, super, quick);
   c.run.sets = c.reference.sets = tni_alone_settings();
   c.metrics = metric_list("figure 7", {"time_ratio", "speedup", "speedup_x_work", "tni_power", "tni_perf_per_watt"});
   if (view.scene == "village" && super) {
@@ -85,10 +85,10 @@ std::vector<Case> lee_cases(bool quick) {
     const View view = view_of_lee(scene, quick);
     for (const bool super : {true, false}) {
       cases.push_back(tni_alone_machine(view, super, quick));
-      cases.push_back(whole_frame(view, super, quick));
+      cases.push_back(whole_frame_case(view, super, quick));
     }
     for (const bool super : {true, false}) {
-      Case c = mode_of(view, super, quick);
+      Case c = multirate_case(view, super, quick);
       c.reference = c.run;  // attributes in the tile buffer, the default
       c.run.sets = {"multirate.attributes=dram"};
       c.metrics = metric_list("attributes in DRAM", {"dram_bytes_ratio", "energy_ratio", "time_ratio"});
@@ -98,7 +98,7 @@ std::vector<Case> lee_cases(bool quick) {
   for (const char* frame : {"1", "150", "340", "400", "600", "700"}) {
     View view = view_of_lee("village", quick);
     view.frame = frame;
-    Case c = mode_of(view, false, quick);
+    Case c = multirate_case(view, false, quick);
     c.machine = false;
     c.setting = std::string("frame ") + frame;
     c.metrics = metric_list("figure 4", {"similar_ratio", "traced_ratio"});

@@ -327,7 +327,7 @@ std::string digest_of_file(const fs::path& scene) {
   return sim::sha256_hex(sim::read_file(scene, kMostOfScene));
 }
 
-Former read_former(const Json& former, const Json& head) {
+Former parse_earlier_results(const Json& former, const Json& head) {
   Former out{.rows = former.at("rows").size(), .finished = {}};
   if (!is_same_run(former, head)) return out;
   const Json& digests = former.at("scenes");
@@ -343,9 +343,9 @@ Former read_former(const Json& former, const Json& head) {
 
 /// Reads reproduce.json of an earlier run in the folder, if it exists. Its rows are reused if paper, sizes, program and
 /// configuration equal those of `head`, the header of this run, and the scene file has not changed.
-Former load_former(const fs::path& folder, const Json& head) {
+Former load_earlier_results(const fs::path& folder, const Json& head) {
   try {
-    return read_former(sim::parse_json(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
+    return parse_earlier_results(sim::parse_json(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
   } catch (const sim::InputError&) {
   } catch (const sim::JsonError&) {
   }
@@ -390,7 +390,7 @@ class Job {
   /// Sets the cases to measure. Loads rows of an interrupted run in `folder` for reuse.
   void begin_cases(std::vector<Case> cases, const fs::path& folder) {
     cases_ = std::move(cases);
-    former_ = load_former(folder, header_json());
+    former_ = load_earlier_results(folder, header_json());
     if (former_.finished.empty()) return;
     progress_.print_line(fmt::format("raywatt: continues after {} finished rows", former_.finished.size()));
   }

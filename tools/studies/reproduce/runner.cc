@@ -145,7 +145,7 @@ std::string key_of(const Case& c, const ProgramSetup& program) {
 }
 
 /// Returns a text with characters replaced that are not allowed in file names.
-std::string file_part(std::string text) {
+std::string file_name_text(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return std::string_view(" ,:").find(c) != std::string_view::npos; }, '-');
   return text;
@@ -195,7 +195,7 @@ void Runner::load_scene(const Case& c, const ProgramSetup& program) {
   reflective_share_.reset();
   view_ = c.view;
   inputs_ = load_inputs(job_options(c, program), progress_);
-  inputs_key_ = inputs_key(inputs_->config);
+  inputs_key_ = inputs_text(inputs_->config);
   if (c.view.mirrors != 0) {
     set_reflective_share(*inputs_, c.view.mirrors / 100.0, options_.threads);
     reflective_share_ = reflective_share(*inputs_, options_.threads);
@@ -208,7 +208,7 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
   if (found != results_by_program_.end()) return found->second;
   const kernels::ProgramSpec spec = kernels::parse_program(program.name);
   const RunConfig config = load_run_config(job_options(c, program));
-  if (inputs_key(config) != inputs_key_) load_scene(c, program);
+  if (inputs_text(config) != inputs_key_) load_scene(c, program);
   inputs_->config = config;
   ProgramResult out;
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
@@ -262,11 +262,11 @@ std::vector<Measured> Runner::measure_case(const Case& c) {
 void Runner::write_pictures(const Case& c, const fs::path& folder) const {
   if (c.picture.empty()) return;
   const auto write = [&](const std::string& name, const std::vector<std::uint8_t>& picture) {
-    traces::write_png(folder / fmt::format("figure-{}.png", file_part(name)), c.width, c.height, picture);
+    traces::write_png(folder / fmt::format("figure-{}.png", file_name_text(name)), c.width, c.height, picture);
     for (const Crop& crop : c.crops) {
       std::uint32_t side = 0;
       const std::vector<std::uint8_t> part = crop_picture(picture, c, crop, side);
-      const std::string file = file_part(fmt::format("figure-{}-{}.png", name, crop.name));
+      const std::string file = file_name_text(fmt::format("figure-{}-{}.png", name, crop.name));
       traces::write_png(folder / file, side, side, part);
     }
   };
@@ -274,7 +274,7 @@ void Runner::write_pictures(const Case& c, const fs::path& folder) const {
   const std::vector<float>& run = simulation.rendered.rgb;
   write(c.picture, to_rgb8(run));
   for (const DebugPicture& p : debug_pictures(simulation.program, simulation.rendered, c.width, c.height)) {
-    const std::string name = file_part(fmt::format("{}-{}", c.picture, p.name));
+    const std::string name = file_name_text(fmt::format("{}-{}", c.picture, p.name));
     traces::write_png(folder / fmt::format("figure-{}.png", name), p.width, p.height, p.rgb);
   }
   const std::vector<float>& other =

@@ -123,7 +123,7 @@ class Runner {
   Progress* progress_;
   std::optional<Inputs> inputs_;
   View view_;
-  std::string inputs_key_;  ///< identifies the loaded scene and BVH (inputs_key())
+  std::string inputs_key_;  ///< identifies the loaded scene and BVH (inputs_text())
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
   /// Results for the current view and resolution, by program and settings.

@@ -33,14 +33,15 @@ std::string sustain_text(const SustainStudy& study) {
       return study.steady[i] ? fmt::format("{:.1f}", *study.steady[i].*node) : std::string("runs away");
     };
     clocks.add_row({fmt::format("{:.3g}", step.factor), join_domain_values(study.mhz[i]),
-                    join_domain_values(study.volt[i]), sim::four_digits(1000 * mean), sim::four_digits(1 / mean),
-                    celsius(&sim::Temperatures::die), celsius(&sim::Temperatures::body)});
+                    join_domain_values(study.volt[i]), sim::four_digit_text(1000 * mean),
+                    sim::four_digit_text(1 / mean), celsius(&sim::Temperatures::die),
+                    celsius(&sim::Temperatures::body)});
   }
   sim::Table loops({"min", "frames/s", "W", "clocks x", "least", "die, C", "body, C"});
   for (std::size_t i = 0; i < study.run.loops.size(); ++i) {
     const SustainLoop& loop = study.run.loops[i];
-    loops.add_row({fmt::format("{:.3g}", static_cast<double>(i + 1) * setup.loop / 60), sim::four_digits(loop.fps),
-                   sim::four_digits(loop.watt), fmt::format("{:.3f}", loop.factor),
+    loops.add_row({fmt::format("{:.3g}", static_cast<double>(i + 1) * setup.loop / 60), sim::four_digit_text(loop.fps),
+                   sim::four_digit_text(loop.watt), fmt::format("{:.3f}", loop.factor),
                    fmt::format("{:.3g}", loop.least_factor), fmt::format("{:.1f}", loop.temperatures.die),
                    fmt::format("{:.1f}", loop.temperatures.body)});
   }
@@ -50,9 +51,9 @@ std::string sustain_text(const SustainStudy& study) {
       "in loops of {} s; limits: die {:.4g} C, body {:.4g} C\n\n{}\n"
       "sustained {} frames/s, stability {:.1f} % (worst over best loop), {} changes of the clock\n"
       "{} frames in {:.1f} s, {} J\n",
-      clocks.text(), sim::four_digits(setup.loop), setup.thermal.die_limit, setup.thermal.body_limit, loops.text(),
-      sim::four_digits(run.sustained_fps), 100 * run.stability(), run.changes, run.frames, run.seconds,
-      sim::four_digits(run.energy_j));
+      clocks.text(), sim::four_digit_text(setup.loop), setup.thermal.die_limit, setup.thermal.body_limit, loops.text(),
+      sim::four_digit_text(run.sustained_fps), 100 * run.stability(), run.changes, run.frames, run.seconds,
+      sim::four_digit_text(run.energy_j));
 }
 
 Json sustain_json(const SustainStudy& study) {

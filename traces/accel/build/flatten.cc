@@ -98,7 +98,7 @@ float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corn
   return std::clamp(static_cast<float>(std::sqrt(shown / area)), kLeastDensity, kMostDensity);
 }
 
-void append_shading(const PlacedMesh& placed, const MaterialTables& materials, ShadingRecords& out) {
+void append_shading_records(const PlacedMesh& placed, const MaterialTables& materials, ShadingRecords& out) {
   const Mesh& mesh = *placed.mesh;
   const glm::mat3 normals_to_space = normal_matrix(placed.to_space);
   for (const auto& corners : mesh.triangles) {
@@ -192,7 +192,7 @@ ShadingRecords shading_records(std::span<const PlacedMesh> placed, const Materia
   ShadingRecords out;
   out.attributes.reserve(count_triangles(placed));
   if (materials.needs_vertices) out.vertices.reserve(count_triangles(placed));
-  for (const PlacedMesh& p : placed) append_shading(p, materials, out);
+  for (const PlacedMesh& p : placed) append_shading_records(p, materials, out);
   return out;
 }
 

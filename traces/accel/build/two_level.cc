@@ -260,7 +260,8 @@ bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned thr
     append_triangles(placed, materials, 0, moved);
     if (refits) {
       for (TriangleRecord& t : tree_records(image.triangles, *tree)) t = moved[t.source];
-      fit_boxes(image, tree->first_node, tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
+      recompute_boxes(image, tree->first_node,
+                      tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
     } else {
       std::ranges::copy(moved, tree_records(image.triangles, *tree).begin());
       add_tree(builder, *tree, image);

@@ -108,7 +108,7 @@ std::vector<std::array<std::uint32_t, 3>> assemble_triangles(const std::vector<s
 }
 
 /// Returns the indices of a primitive's vertices, in the order in which they form triangles.
-std::vector<std::uint32_t> read_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
+std::vector<std::uint32_t> read_vertex_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
   std::vector<std::uint32_t> order;
   if (primitive.indices < 0) {
     order.resize(mesh.positions.size());
@@ -142,7 +142,7 @@ std::uint32_t Meshes::material_of(const tinygltf::Primitive& primitive) {
   return default_material_;
 }
 
-void Meshes::fold_vertex_colours(Mesh& mesh) {
+void Meshes::multiply_emission_by_vertex_colours(Mesh& mesh) {
   if (mesh.colours.empty() || context_.scene.materials[mesh.material].casts_light) return;
   glm::dvec4 sum(0);
   for (const glm::vec4& colour : mesh.colours) sum += glm::dvec4(colour);
@@ -166,7 +166,7 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
   read_uvs(context_, primitive, is_default ? kNowhere : placements_[mesh.material], mesh);
   read_colours(context_, primitive, mesh);
   if (bumpy && !mesh.normals.empty()) read_tangents(context_, primitive, mesh);
-  const std::vector<std::uint32_t> order = read_order(context_, primitive, mesh);
+  const std::vector<std::uint32_t> order = read_vertex_order(context_, primitive, mesh);
   context_.budget.take_memory(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble_triangles(order, primitive.mode);
   const bool flat = mesh.normals.empty();
@@ -176,7 +176,7 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
     from.resize(mesh.positions.size());
     std::iota(from.begin(), from.end(), 0U);
   } else {
-    from = flatten_normals(mesh);
+    from = make_flat_normals(mesh);
   }
   if (bumpy && mesh.tangents.empty()) {
     context_.budget.take_memory(order.size(), kTangentBytes, "tangents");
@@ -185,7 +185,7 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
     for (const std::uint32_t vertex : compute_tangents(mesh, second)) of_file.push_back(from[vertex]);
     from = std::move(of_file);
   }
-  fold_vertex_colours(mesh);
+  multiply_emission_by_vertex_colours(mesh);
   if (is_deforming(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }

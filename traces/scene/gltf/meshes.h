@@ -38,7 +38,7 @@ class Meshes {
   Mesh read_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
   /// Gives an unlit mesh a copy of its material whose emission is multiplied by the mean of its vertex colours.
-  void fold_vertex_colours(Mesh& mesh);
+  void multiply_emission_by_vertex_colours(Mesh& mesh);
 
   Context& context_;
   std::vector<Placements> placements_;  ///< texture placements of each of the file's materials

@@ -22,7 +22,7 @@ int find_accessor(const std::map<std::string, int>& attributes, const std::strin
 
 /// Returns the values of the vertices that the mesh consists of: result i is all[from[i]].
 template <class T>
-std::vector<T> pick_vertices(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
+std::vector<T> gather_vertex_values(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
   std::vector<T> picked;
   picked.reserve(from.size());
   for (const std::uint32_t i : from) picked.push_back(all[i]);
@@ -113,7 +113,7 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
     const auto all = read_vec3(context, accessor, "morph target");
     check_value_count(context, mesh, all.size(), vertices, "displacements");
     context.budget.take_memory(from.size(), sizeof(glm::vec3), "a morph target of mesh '" + mesh.name + "'");
-    picked = pick_vertices(all, from);
+    picked = gather_vertex_values(all, from);
   }
   return targets;
 }
@@ -154,7 +154,7 @@ std::shared_ptr<const Deformation> read_deformation(Context& context, const tiny
   return out;
 }
 
-void finish_deformations(Context& context) {
+void read_skins_and_morph_weights(Context& context) {
   Scene& scene = context.scene;
   scene.skins.resize(context.model.skins.size());
   for (const Mesh& mesh : scene.meshes) {

@@ -19,7 +19,7 @@ std::shared_ptr<const Deformation> read_deformation(Context& context, const tiny
 
 /// Fills Scene::skins, one per glTF skin that a shown mesh uses (others remain empty), and sizes the morph weights of
 /// nodes. Call after read_nodes(). Throws InputError for joints that are not shown.
-void finish_deformations(Context& context);
+void read_skins_and_morph_weights(Context& context);
 
 /// Fills Scene::tracks from all animations, which play together. If two move the same property of a node, the first is
 /// used. Channels of nodes that are not shown are omitted. Requires Context::scene_nodes and the nodes' morph weights.

@@ -149,7 +149,7 @@ Node read_node(const Context& context, const tinygltf::Node& node, const std::st
 }
 
 glm::dmat4 local_matrix(const Node& node) {
-  return glm::dmat4(node.matrix) * matrix_of(node.rest.translation, node.rest.rotation, node.rest.scale);
+  return glm::dmat4(node.matrix) * transform_matrix(node.rest.translation, node.rest.rotation, node.rest.scale);
 }
 
 bool has_focus(const tinygltf::Value& extras) {

@@ -37,7 +37,7 @@ Mesh make_pawn(const Detail& detail) {
   Outline o = make_foot(0.30F);
   o.arc_to(0.095F, 0.50F, -0.05F);
   add_collar(o, 0.19F, 0.52F, 0.04F);
-  o.add_round({0, 0.70F}, 0.145F, -0.15, 0.25);
+  o.add_arc({0, 0.70F}, 0.145F, -0.15, 0.25);
   return turn_outline(o, detail, 20);
 }
 
@@ -108,7 +108,7 @@ Mesh make_bishop(const Detail& detail) {
   add_collar(o, 0.165F, 0.775F, 0.035F).line_to(0.085F, 0.86F).line_to(0, 0.86F);
   Mesh bishop = turn_outline(o, detail, 24);
   append_mesh(bishop, transform_mesh(make_mitre(detail), placement_at({0, 0, 0}, -0.17)));
-  const Outline ball = Outline({0, 1.19F}).add_round({0, 1.24F}, 0.05F, -0.25, 0.25);
+  const Outline ball = Outline({0, 1.19F}).add_arc({0, 1.24F}, 0.05F, -0.25, 0.25);
   append_mesh(bishop, make_lathe("", simplify_line(ball.points(), detail.cell_count(8, 4)), detail.cell_count(14, 5)));
   return bishop;
 }
@@ -145,7 +145,7 @@ Mesh make_queen(const Detail& detail) {
                 return p + glm::vec3(0, 0.075F * wave * wave - 0.02F, 0);
               }));
   Outline dome({0.175F, kNeck + 0.33F});
-  dome.arc_to(0.04F, kNeck + 0.44F, 0.045F).add_round({0, kNeck + 0.485F}, 0.052F, -0.13, 0.25);
+  dome.arc_to(0.04F, kNeck + 0.44F, 0.045F).add_arc({0, kNeck + 0.485F}, 0.052F, -0.13, 0.25);
   append_mesh(queen, turn_outline(dome, detail, 11));
   return queen;
 }
@@ -266,7 +266,7 @@ Mesh make_horse(const Detail& detail) {
   for (const float side : {-1.0F, 1.0F}) {
     const glm::vec2 ear[] = {{0.020F, 0}, {0.042F, 0.045F}, {0.036F, 0.09F}, {0, 0.165F}};
     append_mesh(horse, transform_mesh(make_lathe("", ear, sides), placement_at({side * 0.062F, 1.0F, 0.02F})));
-    const Outline eye = Outline({0, -0.028F}).add_round({0, 0}, 0.028F, -0.25, 0.25);
+    const Outline eye = Outline({0, -0.028F}).add_arc({0, 0}, 0.028F, -0.25, 0.25);
     append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),
                                       placement_at({side * 0.105F, 0.90F, -0.135F})));
     append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),

@@ -27,12 +27,12 @@ Outline outer_profile(Vessel vessel) {
       o.line_to(0.041F, 0).arc_to(0.046F, 0.009F, 0.0025F).line_to(0.0185F, 0.098F).arc_to(0.0165F, 0.110F, -0.0008F);
       return o.line_to(0.0165F, 0.138F).arc_to(0.0205F, 0.145F, -0.001F);
     case Vessel::kRound:
-      return o.add_round({0, 0.050F}, 0.050F, -0.25, 0.195)
+      return o.add_arc({0, 0.050F}, 0.050F, -0.25, 0.195)
           .line_to(0.0165F, 0.108F)
           .line_to(0.0165F, 0.152F)
           .arc_to(0.0200F, 0.158F, -0.001F);
     case Vessel::kTestTube:
-      return o.add_round({0, 0.0095F}, 0.0095F, -0.25, 0).line_to(0.0095F, 0.148F).arc_to(0.0115F, 0.152F, -0.0006F);
+      return o.add_arc({0, 0.0095F}, 0.0095F, -0.25, 0).line_to(0.0095F, 0.148F).arc_to(0.0115F, 0.152F, -0.0006F);
     case Vessel::kBurette:
       return Outline({0.003F, 0}).line_to(0.004F, 0.035F).arc_to(0.0085F, 0.050F, 0.001F).line_to(0.0085F, 0.40F);
     case Vessel::kCylinder:

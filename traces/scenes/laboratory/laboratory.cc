@@ -114,7 +114,7 @@ Material make_flame(std::string name, const glm::vec3& emission) {
 }
 
 /// Adds all textures and materials of the laboratory.
-Looks add_looks(Scene& scene) {
+Looks add_laboratory_materials(Scene& scene) {
   const auto add = [&scene](Material material) { return add_material(scene, std::move(material)); };
   return {
       .steel = add(make_metal("steel", {0.80F, 0.81F, 0.83F}, 0.6F)),
@@ -524,7 +524,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
               make_rounded_box("", {0.015F, -0.014F, -0.003F}, {0.021F, 0.014F, 0.003F}, 0.002F, detail.cell_count(2)));
   add_instance(scene, add_mesh(scene, std::move(tap), looks.plastic), placement_at({flask.x, tip + 0.038F, flask.z}));
 
-  const Outline drop = Outline({0, -0.003F}).add_round({0, 0}, 0.003F, -0.25, 0.12).line_to(0, 0.0065F);
+  const Outline drop = Outline({0, -0.003F}).add_arc({0, 0}, 0.003F, -0.25, 0.12).line_to(0, 0.0065F);
   const std::uint32_t drop_mesh = add_mesh(
       scene, make_lathe("drop", simplify_line(drop.points(), detail.cell_count(10, 5)), detail.cell_count(14, 6)),
       drop_stuff);
@@ -624,7 +624,7 @@ Scene build_laboratory(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "laboratory";
   scene.background = glm::vec3(0.3F);
-  add_apparatus(scene, laboratory::add_looks(scene), detail);
+  add_apparatus(scene, laboratory::add_laboratory_materials(scene), detail);
   scene.cameras.push_back(look_at("front", {0.10F, 0.38F, 1.08F}, {0.035F, 0.195F, -0.12F}, 0.60F));
   scene.cameras.push_back(look_at("burner", {-0.30F, 0.30F, 0.52F}, {-0.46F, 0.19F, -0.13F}, 0.65F));
   const ViewKey path[] = {{0, {-0.75F, 0.30F, 0.62F}, {-0.42F, 0.17F, -0.12F}},

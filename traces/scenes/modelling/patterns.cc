@@ -18,7 +18,9 @@ float fraction_of(float x) { return x - std::floor(x); }
 
 }  // namespace
 
-float random_unit(std::uint64_t a, std::uint64_t b, std::uint64_t c) { return sim::unit_float(sim::hash(a, b, c)); }
+float random_unit(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+  return sim::hash_to_unit_float(sim::hash(a, b, c));
+}
 
 float random_between(float low, float high, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return low + (high - low) * random_unit(a, b, c);
@@ -51,7 +53,7 @@ float fractal_noise(const glm::vec3& p, std::uint32_t octaves, std::uint32_t see
     const glm::vec3 s = f * f * (3.0F - 2.0F * f);
     const auto at = [&](int dx, int dy, int dz) {
       const auto key = [](float a, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(a) + d); };
-      return sim::unit_float(sim::hash(seed + k, key(cell.x, dx), key(cell.y, dy), key(cell.z, dz)));
+      return sim::hash_to_unit_float(sim::hash(seed + k, key(cell.x, dx), key(cell.y, dy), key(cell.z, dz)));
     };
     const auto row = [&](int dy, int dz) { return glm::mix(at(0, dy, dz), at(1, dy, dz), s.x); };
     sum += weight * glm::mix(glm::mix(row(0, 0), row(1, 0), s.y), glm::mix(row(0, 1), row(1, 1), s.y), s.z);

@@ -502,7 +502,7 @@ Outline& Outline::arc_to(float radius, float height, float bulge) {
   return *this;
 }
 
-Outline& Outline::add_round(const glm::vec2& centre, float radius, double from, double to) {
+Outline& Outline::add_arc(const glm::vec2& centre, float radius, double from, double to) {
   constexpr int kSteps = 16;
   for (int k = 0; k <= kSteps; ++k) {
     const glm::vec2 p = centre + radius * circle_point(from + (to - from) * k / kSteps);

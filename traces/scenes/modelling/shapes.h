@@ -102,7 +102,7 @@ class Outline {
   /// inside).
   Outline& arc_to(float radius, float height, float bulge);
   /// Adds an arc about `centre`, between two angles in turns: 0 is outwards, 0.25 up.
-  Outline& add_round(const glm::vec2& centre, float radius, double from, double to);
+  Outline& add_arc(const glm::vec2& centre, float radius, double from, double to);
   const std::vector<glm::vec2>& points() const { return points_; }
 
  private:

@@ -41,11 +41,11 @@ sim::EnergyReport joules_of(const char* block, double dynamic, double leakage) {
 FrameRate rate_of(const RunConfig& config, const sim::EnergyReport& energy, double ms, double frames = 1,
                   double slowest_ms = 0) {
   const std::vector<sim::UnitReport> units = idle_units(*config.gpu);
-  return at_frame_rate(config, {.energy = energy,
-                                .units = units,
-                                .count = frames,
-                                .time_ms = ms,
-                                .slowest_ms = slowest_ms > 0 ? slowest_ms : ms / frames});
+  return evaluate_frame_rate(config, {.energy = energy,
+                                      .units = units,
+                                      .count = frames,
+                                      .time_ms = ms,
+                                      .slowest_ms = slowest_ms > 0 ? slowest_ms : ms / frames});
 }
 
 TEST(FrameRate, OfAFrameThatTakesNoTimeIsTheIdlePower) {
@@ -87,7 +87,7 @@ TEST(IdlePower, IsLeakageAndClockByTheStateOfTheChip) {
   const RunConfig gated = config_with({}), stopped = config_with({"power.idle=clock_gated"}),
                   clocked = config_with({"power.idle=clocked"});
   const std::vector<sim::UnitReport> units = idle_units(*gated.gpu);
-  const double memory = hw::dram_idle_mw(gated.gpu->dram).nominal;
+  const double memory = hw::dram_idle_power_mw(gated.gpu->dram).nominal;
   const auto chip_mw = [&](const RunConfig& config) { return idle_power_mw(config, units).nominal - memory; };
   const double leakage = chip_mw(stopped);
   EXPECT_NEAR(chip_mw(gated), gated.power.idle_leakage * leakage, 1e-9 * leakage);
@@ -110,7 +110,7 @@ TEST(IdlePower, OfAMachineThatOnlyWaitsIsTheEnergyOfAnIdleMachine) {
   const double pj = sim::compute_energy(units, config.energy, hw::dram_energy_events(config.gpu->dram), kMicrosecond,
                                         power_scales(config))
                         .total_pj.nominal;
-  const double memory = hw::dram_idle_mw(config.gpu->dram).nominal;
+  const double memory = hw::dram_idle_power_mw(config.gpu->dram).nominal;
   EXPECT_NEAR(idle_power_mw(config, units).nominal - memory, pj * 1e-3, 1e-6 * pj * 1e-3);
 }
 

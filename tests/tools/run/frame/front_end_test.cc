@@ -24,7 +24,7 @@ using hw::test::difference;
 using hw::test::Frame;
 
 RenderResult take_all(FrontEnd& front_end) {
-  while (const traces::TileWork* work = front_end.next()) front_end.give_back(work);
+  while (const traces::TileWork* work = front_end.next()) front_end.release_work(work);
   return front_end.result();
 }
 
@@ -66,7 +66,7 @@ TEST(FrontEnd, WorkThatIsHeldStaysValidWhileOthersComeAndGo) {
   FrontEnd front_end(frame.program(), frame.tracer(), 1);
   const traces::TileWork* held = front_end.next();
   const traces::TileWork copy = *held;
-  while (const traces::TileWork* work = front_end.next()) front_end.give_back(work);
+  while (const traces::TileWork* work = front_end.next()) front_end.release_work(work);
   EXPECT_EQ(held->tile, copy.tile);
   EXPECT_EQ(held->walk, copy.walk);
   EXPECT_EQ(held->sources, copy.sources);
@@ -147,7 +147,7 @@ TEST(FrontEnd, DoesNotRunAheadByMuchMemory) {
   for (std::uint32_t taken = 1; const traces::TileWork* work = front_end.next(); ++taken) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_LT(made, taken + 4 + kWorkers) << "256 MiB, and what is being made when these are full";
-    front_end.give_back(work);
+    front_end.release_work(work);
   }
   EXPECT_EQ(made, kTiles);
 }

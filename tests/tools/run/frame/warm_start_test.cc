@@ -42,8 +42,9 @@ std::vector<double> fills_of_frames(JobOptions options, const std::string& frame
   Inputs inputs = load_inputs(options);
   RenderedFrames source(inputs, make_plan(options), options.threads, nullptr);
   std::vector<double> fills;
-  run(source,
-      {.on_frame = [&](const PlayedFrame& played) { fills.push_back(static_cast<double>(fills_of(played.frame))); }});
+  run(source, {.on_frame = [&](const SimulatedFrame& played) {
+        fills.push_back(static_cast<double>(fills_of(played.frame)));
+      }});
   return fills;
 }
 

@@ -12,7 +12,7 @@ namespace test {
 namespace {
 
 /// Expects exit code 2 and one line of error that follows the lines on the runs.
-void expect_not_comparable(const Ending& ending, const Words& parts) {
+void expect_not_comparable(const ProcessResult& ending, const Words& parts) {
   EXPECT_EQ(ending.exit, 2) << ending.out;
   for (const std::string& part : parts) EXPECT_SAYS(ending.err, part);
   EXPECT_SAYS(ending.out, "REFUSED");
@@ -52,7 +52,7 @@ TEST(Baseline, RefusesControlCharacters) {
     std::string changed = text;
     const std::size_t at = text.find(from) + std::string_view(from).size();
     suite.write_values(changed.replace(at, text.find('\n', at) - at, "\"a\\e[31m\""));
-    const Ending ending = suite.baseline("check");
+    const ProcessResult ending = suite.baseline("check");
     EXPECT_EQ(ending.exit, 2);
     EXPECT_SAYS(ending.err, "holds text that is not printable");
     EXPECT_EQ((ending.out + ending.err).find('\x1b'), std::string::npos);
@@ -115,14 +115,14 @@ TEST(Baseline, RefusesBadValuesThatOnlyARunFinds) {
   BaselineSuite suite;
   const std::string runs = "\nruns: {a: {resolution: 1x1, set: {scene.triangles: 500}}}\n";
   suite.write("keep: {cycels: exact}" + runs);
-  const Ending unknown = suite.baseline("record");
+  const ProcessResult unknown = suite.baseline("record");
   EXPECT_EQ(unknown.exit, 2);
   EXPECT_SAYS(unknown.err, "suite.yaml:1:8: keep: there is no report path 'cycels', did you mean 'cycles'?");
   EXPECT_EQ(unknown.out, "") << "before the first run";
   suite.write("keep: {nominal: exact}" + runs);
   EXPECT_SAYS(suite.baseline("record").err, "may mean any of");
   suite.write("keep: {cycles: exact}\nruns: {a: {scene: nowhere.glb}}\n");
-  const Ending scene = suite.baseline("record");
+  const ProcessResult scene = suite.baseline("record");
   EXPECT_EQ(scene.exit, 2);
   EXPECT_SAYS(scene.err, "runs.a: ");
   EXPECT_SAYS(scene.err, "nowhere.glb");

@@ -23,7 +23,7 @@ runs:
   void write(const std::string& text) { file_ = folder_.write("suite.yaml", text).string(); }
   /// Writes the machine's configuration with an additional line.
   void machine(const std::string& change) { folder_.write("machine.yaml", "extends: " + change_base_ + "\n" + change); }
-  Ending baseline(const std::string& step, const Words& more = {}) const {
+  ProcessResult baseline(const std::string& step, const Words& more = {}) const {
     Words words = {"baseline", step, file_};
     words.insert(words.end(), more.begin(), more.end());
     return raywatt(words);

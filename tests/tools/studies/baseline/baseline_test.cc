@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 
 TEST(Baseline, PassesForAnUnchangedMachine) {
   const BaselineSuite suite;
-  const Ending recorded = suite.baseline("record");
+  const ProcessResult recorded = suite.baseline("record");
   ASSERT_EQ(recorded.exit, 0) << recorded.err;
   EXPECT_SAYS(recorded.out, "suite.baseline.yaml");
-  const Ending checked = suite.baseline("check");
+  const ProcessResult checked = suite.baseline("check");
   EXPECT_EQ(checked.exit, 0) << checked.out << checked.err;
   EXPECT_SAYS(checked.out, "ok       pixel");
   EXPECT_SAYS(checked.out, "ok       square");
@@ -93,7 +93,7 @@ TEST(Baseline, OneMoreCycleOfLatencyFailsAndNamesTheKeyAndItsUnit) {
   ASSERT_EQ(suite.baseline("record").exit, 0);
   for (const Latency& l : changed_latencies()) {
     suite.machine(l.change);
-    const Ending ending = suite.baseline("check");
+    const ProcessResult ending = suite.baseline("check");
     EXPECT_EQ(ending.exit, 1) << l.change << ending.err;
     EXPECT_SAYS(ending.out, "totals.cycles");
     const std::string changed = fmt::format("\nChanged in {}: {} was {}, is {}\n", l.unit, l.key, l.was, l.is);
@@ -111,7 +111,7 @@ TEST(Baseline, CountersNameTheUnitIfNoKeyChanged) {
     // Imitates a changed model: the stored configuration now gives other values.
     suite.machine(l.change);
     suite.write_values(replaced(text, fmt::format("  {}: {}\n", l.key, l.was), fmt::format("  {}: {}\n", l.key, l.is)));
-    const Ending ending = suite.baseline("check");
+    const ProcessResult ending = suite.baseline("check");
     EXPECT_EQ(ending.exit, 1) << l.change << ending.err;
     EXPECT_SAYS(ending.out, std::string("\nMost likely in ") + l.located + ": ") << l.change;
     EXPECT_EQ(ending.out.find("Changed"), std::string::npos);
@@ -122,7 +122,7 @@ TEST(Baseline, NamesAChangedKeyWithoutEffect) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("tni: {rau: {rows: 8}}");
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_EQ(ending.exit, 0);
   EXPECT_SAYS(ending.out, "Changed in tni: tni.rau.rows was 16, is 8\nNo kept value has moved.\n");
 }
@@ -131,7 +131,7 @@ TEST(Baseline, NamesChangedKeysAndALargeGroupOnce) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("dram: {extends: dram/lpddr3-1600}\nl2: {lookup_cycles: 5}");
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_SAYS(ending.out, "\nChanged in l2.bank: l2.lookup_cycles was 4, is 5\n");
   EXPECT_SAYS(ending.out,
               "\nChanged in dram.channel: dram.timing.burst was 8, is 4, and 28 more keys of dram.timing\n");
@@ -143,7 +143,7 @@ TEST(Baseline, DoesNotBlameAKeyOfOneConfigurationOnly) {
   suite.write_values(replaced(replaced(suite.values(), "  l2.lookup_cycles: 4\n", "  l2.lookup_cycles: 5\n"),
                               "  dma.depth: 8\n", "  dma.of_an_older_model: 8\n"));
   suite.machine("l2: {lookup_cycles: 5}");
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_SAYS(ending.out, "\nMost likely in l2.bank: ");
   EXPECT_SAYS(ending.out,
               "\nKeys of only one of the two configurations:\nChanged in core.dma: dma.depth was none, is 8\n"
@@ -154,7 +154,7 @@ TEST(Baseline, PrintsEachChangeAndItsKey) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("tni: {trv: {box_latency: 13}}");
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_SAYS(ending.out, "MOVED    pixel: ");
   EXPECT_SAYS(ending.out, "units.core.tni.trv.why.pipe: ");
   EXPECT_SAYS(ending.out, "\n  Changed in core.tni.trv: tni.trv.box_latency was 12, is 13\n");
@@ -167,7 +167,7 @@ TEST(Baseline, PassesWithinATolerance) {
   suite.machine("tni: {trv: {box_latency: 13}}");
   EXPECT_EQ(suite.baseline("check").exit, 0);
   suite.machine("tni: {trv: {box_latency: 40}}");
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "1 of 1 values");
   EXPECT_EQ(ending.out.find("Most likely"), std::string::npos) << "no counters of units are kept";
@@ -193,7 +193,7 @@ runs:
   EXPECT_EQ(suite.baseline("check").exit, 1);
   EXPECT_EQ(suite.baseline("check", {"--replicates", "5"}).exit, 0) << "a cycle is lost in the noise";
   machine("clocks: {srp: 100 MHz}");
-  const Ending slow = suite.baseline("check", {"--replicates", "5"});
+  const ProcessResult slow = suite.baseline("check", {"--replicates", "5"});
   EXPECT_EQ(slow.exit, 1);
   EXPECT_SAYS(slow.out, "totals.cycles ");
   EXPECT_SAYS(slow.out, " noise ");
@@ -221,7 +221,7 @@ TEST(Baseline, AcceptPrintsTheChangesAndStoresThem) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("l2: {lookup_cycles: 5}");
-  const Ending accepted = suite.baseline("accept");
+  const ProcessResult accepted = suite.baseline("accept");
   EXPECT_EQ(accepted.exit, 0) << accepted.err;
   EXPECT_SAYS(accepted.out, "Changed in l2.bank: l2.lookup_cycles was 4, is 5");
   EXPECT_SAYS(accepted.out, "MOVED    square");
@@ -232,7 +232,7 @@ TEST(Baseline, AddedAndRemovedValuesCountAsChanges) {
   BaselineSuite suite("{cycles: exact, rays.primary: exact}");
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.write(replaced(read_bytes(suite.folder().path() / "suite.yaml"), "rays.primary", "rays.shadow"));
-  const Ending ending = suite.baseline("check");
+  const ProcessResult ending = suite.baseline("check");
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "totals.rays.primary: was 1, is missing");
   EXPECT_SAYS(ending.out, "not stored");
@@ -311,7 +311,8 @@ TEST(Baseline, StoredValuesReplaceOnlyStoredValues) {
 TEST(Baseline, ReportsAnXmlFileThatCannotBeWritten) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
-  const Ending ending = suite.baseline("check", {"--junit", (suite.folder().path() / "none" / "junit.xml").string()});
+  const ProcessResult ending =
+      suite.baseline("check", {"--junit", (suite.folder().path() / "none" / "junit.xml").string()});
   EXPECT_EQ(ending.exit, 2) << "before anything is computed";
   EXPECT_SAYS(ending.err, "junit.xml: cannot be written: there is no folder");
 }

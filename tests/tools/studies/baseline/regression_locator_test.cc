@@ -84,12 +84,12 @@ TEST(RegressionLocator, NamesTheReasonThatChangedMost) {
   is["units.core.tni.trv.why.l1_miss"] = 100;
   is["units.core.tni.trv.why.pipe"] = 60;
   is["units.l2.bank.why.lookup"] = 240;
-  EXPECT_EQ(largest_move_in("tni", was, is)->unit, "core.tni.trv");
-  EXPECT_EQ(largest_move_in("core.tni.trv", was, is)->moved, "why.l1_miss 0 -> 100 cycles (+100)");
-  EXPECT_DOUBLE_EQ(largest_move_in("core.tni.trv", was, is)->certainty, 0.2) << "60 of 300 cycles of work";
-  EXPECT_FALSE(largest_move_in("core.srp", was, is)) << "none of its reasons moved";
-  EXPECT_FALSE(largest_move_in("clocks", was, is));
-  EXPECT_FALSE(largest_move_in("", was, is));
+  EXPECT_EQ(largest_change_in_unit("tni", was, is)->unit, "core.tni.trv");
+  EXPECT_EQ(largest_change_in_unit("core.tni.trv", was, is)->moved, "why.l1_miss 0 -> 100 cycles (+100)");
+  EXPECT_DOUBLE_EQ(largest_change_in_unit("core.tni.trv", was, is)->certainty, 0.2) << "60 of 300 cycles of work";
+  EXPECT_FALSE(largest_change_in_unit("core.srp", was, is)) << "none of its reasons moved";
+  EXPECT_FALSE(largest_change_in_unit("clocks", was, is));
+  EXPECT_FALSE(largest_change_in_unit("", was, is));
 }
 
 TEST(RegressionLocator, IgnoresIdleCycles) {

@@ -133,7 +133,7 @@ class Suite {
                            set + "}}}\n")
                 .string();
   }
-  Ending run(const char* step) const { return raywatt({"baseline", step, file_}); }
+  ProcessResult run(const char* step) const { return raywatt({"baseline", step, file_}); }
 
  private:
   TempFolder folder_;
@@ -150,7 +150,7 @@ TEST(SingleKey, IsNamedWithItsUnitFirst) {
   std::string table;
   for (const Change& change : drawn_changes()) {
     suite.write(fmt::format("{}: \"{}\"", change.field.path, change.value));
-    const Ending ending = suite.run("check");
+    const ProcessResult ending = suite.run("check");
     const std::string line = first_named(ending.out, keys);
     const std::string unit = tools::unit_of_key(change.field.path);
     const bool is_refusal = ending.exit == 2;  // other rays are rendered, so only the key can be named

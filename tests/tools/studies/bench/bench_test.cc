@@ -21,7 +21,7 @@ Words bench(const Words& more) {
 /// Returns the JSON output of `raywatt bench` with these arguments.
 nlohmann::json json_of(Words words) {
   words.emplace_back("--json");
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.err, "");
   return nlohmann::json::parse(ending.out);
@@ -195,7 +195,7 @@ TEST(Bench, RefusesFilesWithoutMetrics) {
         R"({"schema": "raywatt-bench/2", "scenes": [{}]})",
         R"({"schema": "raywatt-bench/2", "scenes": [{"scene": "a", "ns_per_step": "fast"}]})"}) {
     const std::string file = folder.write("bad.json", text).string();
-    const Ending ending = raywatt(bench({"--against", file}));
+    const ProcessResult ending = raywatt(bench({"--against", file}));
     expect_refusal(ending, {"bad.json", "bench --json"});
     EXPECT_EQ(ending.err.find("exception"), std::string::npos) << ending.err;
   }

@@ -26,7 +26,7 @@ class Runs : public testing::Test {
         "run", "--quiet", "--threads", "1", "-o", (folder.path() / name).string(), "--set", "scene.triangles=1000"};
     if (name != "larger") words.insert(words.end(), {"--resolution", "32x16"});
     words.insert(words.end(), kMore.at(name).begin(), kMore.at(name).end());
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     ASSERT_EQ(ending.exit, 0) << ending.err;
   }
   std::string path(const std::string& name) const {
@@ -35,7 +35,7 @@ class Runs : public testing::Test {
     return path.string();
   }
   nlohmann::json compared(const std::string& a, const std::string& b) const {
-    const Ending ending = raywatt({"compare", path(a), path(b), "--json"});
+    const ProcessResult ending = raywatt({"compare", path(a), path(b), "--json"});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     const nlohmann::json json = nlohmann::json::parse(ending.out);
     EXPECT_EQ(json["schema"], "raywatt-compare/1");

@@ -47,7 +47,7 @@ TEST_F(Runs, UseTheLargerNoiseIfOneHasReplicates) {
 
 TEST_F(Runs, WithOtherClocksHaveNoVerdictOnCycles) {
   const std::string slow = changed("slow.json", [](Json& report) { report["config"]["clocks"]["tni"] = "400 MHz"; });
-  const Ending ending = raywatt({"compare", path("base"), slow});
+  const ProcessResult ending = raywatt({"compare", path("base"), slow});
   EXPECT_SAYS(ending.err, "have different T&I clocks (clocks.tni): compare times, not cycles");
   EXPECT_SAYS(ending.out, "another clock");
   const Json c = Json::parse(raywatt({"compare", path("base"), slow, "--json"}).out)["against"][0];
@@ -56,7 +56,7 @@ TEST_F(Runs, WithOtherClocksHaveNoVerdictOnCycles) {
 }
 
 TEST_F(Runs, AreSimulatedAgainForTheirNoise) {
-  const Ending ending = raywatt({"compare", path("base"), path("ports"), "--replicates", "3", "--json"});
+  const ProcessResult ending = raywatt({"compare", path("base"), path("ports"), "--replicates", "3", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json cycles = Json::parse(ending.out)["against"][0]["figures"]["cycles"];
   EXPECT_EQ(cycles["noise"]["from"], "replicates");

@@ -117,7 +117,7 @@ TEST_F(Runs, ExplainTheWholeDifferenceInEnergy) {
 
 TEST_F(Runs, WithOtherWorkAreComparedWithAWarning) {
   const auto warned = [&](const std::string& other, const std::string& why) {
-    const Ending ending = raywatt({"compare", path("base"), path(other)});
+    const ProcessResult ending = raywatt({"compare", path("base"), path(other)});
     EXPECT_EQ(ending.exit, 0);
     EXPECT_SAYS(ending.err, "raywatt: warning: ");
     EXPECT_SAYS(ending.err, why);
@@ -163,7 +163,7 @@ TEST_F(Runs, AppearInOneTable) {
 
 TEST_F(Runs, MayBeOfOtherModelsInterruptedOrOlder) {
   const auto warned = [&](const std::string& other, const std::string& why) {
-    const Ending ending = raywatt({"compare", path("base"), other});
+    const ProcessResult ending = raywatt({"compare", path("base"), other});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_SAYS(ending.err, why);
   };

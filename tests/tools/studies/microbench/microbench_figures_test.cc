@@ -38,7 +38,7 @@ const std::map<std::string, Words> kMachines = {
 Json measured(const std::string& benchmark, const Words& more = {}) {
   Words words = {"microbench", benchmark, "--json"};
   words.insert(words.end(), more.begin(), more.end());
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
   return Json::parse(ending.out);
 }
@@ -113,8 +113,9 @@ TEST(MicrobenchBandwidth, FindsGradesInAllFoldersOfRaywattPath) {
   const TempFolder folder;
   std::filesystem::create_directories(folder.path() / "dram");
   folder.write("dram/mine.yaml", "extends: lpddr5-6400\ngrade: mine\n");
-  const Ending ending = raywatt({"microbench", "bandwidth", "--json", "--all-grades", "--set", "dram.channels=1"},
-                                {.variables = {{"RAYWATT_PATH", folder.path().string()}}});
+  const ProcessResult ending =
+      raywatt({"microbench", "bandwidth", "--json", "--all-grades", "--set", "dram.channels=1"},
+              {.variables = {{"RAYWATT_PATH", folder.path().string()}}});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json all = Json::parse(ending.out);
   ASSERT_EQ(all["figures"].size(), 16U);
@@ -186,9 +187,9 @@ TEST(MicrobenchKernels, AreTheNamedKernels) {
 }
 
 TEST(MicrobenchVerb, ListsWhatEachMeasures) {
-  const Ending list = raywatt({"microbench", "list"});
+  const ProcessResult list = raywatt({"microbench", "list"});
   EXPECT_EQ(list.exit, 0);
-  const Ending help = raywatt({"microbench", "--help"});
+  const ProcessResult help = raywatt({"microbench", "--help"});
   for (const char* name : {"chase", "bandwidth", "mshr", "dram", "rays", "early_exit", "tile_buffer", "kernels"}) {
     EXPECT_SAYS(list.out, name);
     EXPECT_SAYS(help.out, name);
@@ -196,14 +197,14 @@ TEST(MicrobenchVerb, ListsWhatEachMeasures) {
 }
 
 TEST(MicrobenchVerb, PrintsATableWithTheMarginOfEachMeasurement) {
-  const Ending ending = raywatt({"microbench", "mshr"});
+  const ProcessResult ending = raywatt({"microbench", "mshr"});
   EXPECT_EQ(ending.exit, 0);
   for (const char* part : {"closed form", "within 2 %", "core ports", "difference"}) EXPECT_SAYS(ending.out, part);
 }
 
 // Refreshes take more than half of the time of each bank, so that a stream cannot reach 90 % of the bus.
 TEST(MicrobenchVerb, EndsWithOneIfAMeasurementMissesItsClosedForm) {
-  const Ending ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
+  const ProcessResult ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "MISSED");
   EXPECT_SAYS(ending.err, "differ from their closed forms");

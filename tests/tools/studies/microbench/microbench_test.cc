@@ -24,14 +24,15 @@ nlohmann::json played(const std::string& text, const Words& more = {}) {
   const Stream stream(text);
   Words words = {"microbench", "dram", "--stream", stream.path(), "--json"};
   words.insert(words.end(), more.begin(), more.end());
-  const Ending ending = raywatt(words);
+  const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return nlohmann::json::parse(ending.out);
 }
 
 TEST(MicrobenchDram, ComparesEveryGradeWithItsClosedForms) {
   for (const char* grade : {"lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"}) {
-    const Ending ending = raywatt({"microbench", "dram", "--set", std::string("dram.extends=dram/") + grade, "--json"});
+    const ProcessResult ending =
+        raywatt({"microbench", "dram", "--set", std::string("dram.extends=dram/") + grade, "--json"});
     ASSERT_EQ(ending.exit, 0) << ending.err;
     const nlohmann::json figures = nlohmann::json::parse(ending.out)["figures"];
     EXPECT_GE(figures.size(), 17U);
@@ -51,7 +52,7 @@ TEST(MicrobenchDram, RefusesAGradeAndAStreamWithAllGrades) {
 }
 
 TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {
-  const Ending ending = raywatt({"microbench", "dram", "--all-grades", "--json"});
+  const ProcessResult ending = raywatt({"microbench", "dram", "--all-grades", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json figures = nlohmann::json::parse(ending.out)["figures"];
   ASSERT_EQ(figures.size(), 7U * 4U);
@@ -63,7 +64,7 @@ TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {
 }
 
 TEST(MicrobenchDram, PrintsATable) {
-  const Ending ending = raywatt({"microbench", "dram"});
+  const ProcessResult ending = raywatt({"microbench", "dram"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   for (const char* part : {"LPDDR4-3200", "closed form", "read, row open", "29.375", "exactly"}) {
     EXPECT_SAYS(ending.out, part);

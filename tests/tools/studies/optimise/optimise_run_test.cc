@@ -33,7 +33,7 @@ struct Optimise : testing::Test {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  Ending run(const std::string& lines, const Words& more = {}) const { return raywatt(words(lines, more)); }
+  ProcessResult run(const std::string& lines, const Words& more = {}) const { return raywatt(words(lines, more)); }
   std::vector<Json> history() const {
     std::vector<Json> points;
     std::istringstream text(read_bytes(out / "history.jsonl"));
@@ -56,7 +56,7 @@ struct Optimise : testing::Test {
 };
 
 TEST_F(Optimise, SimulatesItsBudgetAndKeepsTheFront) {
-  const Ending ending = run(kSearch);
+  const ProcessResult ending = run(kSearch);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "front of max perf.fps, min power_w.nominal");
   EXPECT_SAYS(ending.out, "10 points simulated");
@@ -98,13 +98,13 @@ TEST_F(Optimise, PrintsTheCommandOfAPoint) {
   again.erase(again.begin());
   const fs::path alone = folder.path() / "alone";
   again.insert(again.end(), {"-o", alone.string(), "--quiet"});
-  const Ending ending = raywatt(again);
+  const ProcessResult ending = raywatt(again);
   ASSERT_EQ(ending.exit, 0) << ending.err << rows[1].back();
   EXPECT_EQ(read_json(alone / "report.json")["totals"]["perf"]["fps"].get<double>(), std::stod(rows[1][6]));
 }
 
 TEST_F(Optimise, APictureEqualToItsReferenceIsBest) {
-  const Ending ending =
+  const ProcessResult ending =
       run("axes: {program: [full:1, full:4, full:9, full:16]}\nreference: full:1\nbudget: 4\n"
           "objectives: [max: psnr_db]\nconstraints: [psnr_db > 20]\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
@@ -116,18 +116,18 @@ TEST_F(Optimise, APictureEqualToItsReferenceIsBest) {
 
 TEST_F(Optimise, NamesPointsThatEqualTheBestWithinNoise) {
   const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
-  const Ending single = run(lines + "objectives: [max: perf.fps]\n");
+  const ProcessResult single = run(lines + "objectives: [max: perf.fps]\n");
   ASSERT_EQ(single.exit, 0) << single.err;
   EXPECT_SAYS(single.out, " the best within noise; noise of 25 % is assumed");
   EXPECT_SAYS(single.out, " equal");
-  const Ending both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
+  const ProcessResult both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
   ASSERT_EQ(both.exit, 0) << both.err;
   EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates per point");
   EXPECT_SAYS(both.out, "--replicates 3");
 }
 
 TEST_F(Optimise, HasNoDoubtsAboutMetricsWithoutNoise) {
-  const Ending ending = run("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nbudget: 4\nobjectives: [min: area_mm2]\n");
+  const ProcessResult ending = run("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nbudget: 4\nobjectives: [min: area_mm2]\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out.find("noise"), std::string::npos) << ending.out;
 }
@@ -135,7 +135,7 @@ TEST_F(Optimise, HasNoDoubtsAboutMetricsWithoutNoise) {
 TEST_F(Optimise, RepeatedComputesNothingAndKeepsEveryByte) {
   ASSERT_EQ(run(kSearch).exit, 0);
   const std::string before = results();
-  const Ending again = run(kSearch, {"-j", "1"});
+  const ProcessResult again = run(kSearch, {"-j", "1"});
   EXPECT_EQ(again.exit, 0) << again.err;
   EXPECT_SAYS(again.out, "10 points simulated: 0 computed now, 10 found");
   EXPECT_EQ(results(), before);
@@ -144,7 +144,7 @@ TEST_F(Optimise, RepeatedComputesNothingAndKeepsEveryByte) {
 
 TEST_F(Optimise, ContinuesAfterAKillWithTheSameResult) {
   ASSERT_EQ(run(kSearch).exit, 0);
-  const std::string undisturbed = results();
+  const std::string undisturbed_results = results();
   fs::remove_all(out);
   fs::remove_all(store);
   for (const std::size_t points : {0U, 2U, 5U}) {
@@ -155,29 +155,29 @@ TEST_F(Optimise, ContinuesAfterAKillWithTheSameResult) {
     program.wait();
   }
   const std::size_t kept = points_in(store);
-  const Ending last = run(kSearch, {"-j", "2"});
+  const ProcessResult last = run(kSearch, {"-j", "2"});
   EXPECT_EQ(last.exit, 0) << last.err;
-  EXPECT_EQ(results(), undisturbed);
+  EXPECT_EQ(results(), undisturbed_results);
   EXPECT_EQ(points_in(store), 10U) << kept << " were kept";
 }
 
 TEST_F(Optimise, ReusesResultsOfASweep) {
   ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, kAxes))).exit, 0);
   out = folder.path() / "search";
-  const Ending ending = run(kSearch);
+  const ProcessResult ending = run(kSearch);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "10 points simulated: 0 computed now, 10 found");
 }
 
 TEST_F(Optimise, EndsWhenTheSpaceHasNoMorePoints) {
-  const Ending ending = run("axes: {cores: [1, 2, 3]}\nobjectives: [{min: cycles}]\n");
+  const ProcessResult ending = run("axes: {cores: [1, 2, 3]}\nobjectives: [{min: cycles}]\n");
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "best: min cycles");
   EXPECT_SAYS(ending.out, "3 points simulated");
 }
 
 TEST_F(Optimise, NamesTheNearestPointIfNoneMeetsTheConstraints) {
-  const Ending ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
+  const ProcessResult ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
   EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is required (room -");
@@ -187,7 +187,7 @@ TEST_F(Optimise, NamesTheNearestPointIfNoneMeetsTheConstraints) {
 
 TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
   ASSERT_EQ(run(kSearch + "constraints: [cores_are_none < 1]\n").exit, 2);
-  const Ending ending =
+  const ProcessResult ending =
       run(kAxes + "objectives: [max: perf.fps]\nconstraints: [power_w.nominal <= 0.45]\nbudget: 12\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   double best = 0;
@@ -205,7 +205,8 @@ TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
 }
 
 TEST_F(Optimise, NamesExtrapolatedPoints) {
-  const Ending ending = run("axes: {clocks.tni: [300 MHz], cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n");
+  const ProcessResult ending =
+      run("axes: {clocks.tni: [300 MHz], cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "warning: point 0: power.dvfs: clocks.tni of 300 MHz");
   EXPECT_SAYS(ending.out, "more points with extrapolated figures, which warnings[] of their reports name: 1\n");
@@ -223,7 +224,7 @@ TEST_F(Optimise, NamesPointsThatMayBreakALimitByNoise) {
 }
 
 TEST_F(Optimise, DoesNotCountPointsOfInvalidCombinations) {
-  const Ending ending =
+  const ProcessResult ending =
       run("axes:\n"
           "  l1: {keys: [tni.trv.l1.size, tni.trv.l1.ways], values: [[12 KiB, 3], [16 KiB, 4]]}\n"
           "  tni.trv.l1.replacement: [lru, plru]\n"
@@ -235,7 +236,7 @@ TEST_F(Optimise, DoesNotCountPointsOfInvalidCombinations) {
 }
 
 TEST_F(Optimise, LooksBySamplingFirstAndConfirmsTheFront) {
-  const Ending ending =
+  const ProcessResult ending =
       run("program: full:1\nsets: [tni.ist.leaves=16]\naxes: {cores: [1, 2], tni.trvs: [1, 2, 4]}\n"
           "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 4\n",
           {"--fidelity", "sampled"});
@@ -302,7 +303,7 @@ TEST_F(Optimise, HasAValidExample) {
 }
 
 TEST_F(Optimise, TakesTheSustainedFrameRateAsObjectiveAndConstraint) {
-  const Ending ending =
+  const ProcessResult ending =
       run("axes: {cores: [1, 2], clocks.tni: [300 MHz, 400 MHz, 500 MHz, 600 MHz]}\nsets: [thermal.minutes=0.1]\n"
           "objectives: [{max: sustained_fps}]\nconstraints: [sustained_fps > 1, stability >= 0.5]\nbudget: 4\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;

@@ -131,7 +131,7 @@ TEST(Search, FindsAFrontUnderNoise) {
   MadeUp rough{{{8, true}, {8, true}, {4, true}, {4, true}}, {kMin, kMin}, [](const std::vector<double>& x) {
                  std::uint64_t h = 0;
                  for (const double v : x) h = sim::hash(h, static_cast<std::uint64_t>(v * 1000));
-                 const double noise = sim::unit_float(h), other = sim::unit_float(sim::hash(h));
+                 const double noise = sim::hash_to_unit_float(h), other = sim::hash_to_unit_float(sim::hash(h));
                  return std::vector<double>{x[0] * x[0] + x[2] + 0.2 * noise,
                                             (1 - x[0]) * (1 - x[0]) + x[1] + 0.5 * x[3] + 0.2 * other};
                }};
@@ -146,8 +146,8 @@ TEST(Search, DoesNotChaseNoise) {
   };
   const double size = 0.1, error = size / std::sqrt(6.0);  // standard deviation of the sum of two uniform draws
   const auto noise = [&](const Choice& c, std::uint64_t seed) {
-    return size * (sim::unit_float(sim::hash(seed, c[0], c[1], c[2])) +
-                   sim::unit_float(sim::hash(seed, c[2], c[1], c[0])) - 1);
+    return size * (sim::hash_to_unit_float(sim::hash(seed, c[0], c[1], c[2])) +
+                   sim::hash_to_unit_float(sim::hash(seed, c[2], c[1], c[0])) - 1);
   };
   const auto mean_loss = [&](bool tell_errors) {
     double loss = 0;
@@ -303,7 +303,7 @@ struct SmallestMachine {
         6e5 / (cores * std::pow(units, 0.6)) * (1 + 3 * miss * (0.5 + miss2)) + 9000 + 80 * miss * miss2 * clock;
     std::uint64_t h = 0;
     for (const std::uint32_t v : c) h = sim::hash(h, v);
-    const double fps = 1e6 * clock / cycles * (1 + 0.05 * (sim::unit_float(h) - 0.5));
+    const double fps = 1e6 * clock / cycles * (1 + 0.05 * (sim::hash_to_unit_float(h) - 0.5));
     const double power = 0.00018 * cores * (0.6 + 0.2 * units + 0.01 * cache) * clock + 0.0006 * second +
                          2e-5 * fps * (1 + 3 * miss * miss2);
     return {area, fps, power};

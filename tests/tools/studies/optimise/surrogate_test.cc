@@ -97,7 +97,7 @@ TEST(GaussianProcess, CoversTheTruthInNineteenOfTwentyIntervals) {
   std::size_t held = 0, asked = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const auto uniform = [&](std::uint64_t a, std::uint64_t b) {
-      return double{sim::unit_float(sim::hash(seed, a, b))};
+      return double{sim::hash_to_unit_float(sim::hash(seed, a, b))};
     };
     const auto truth = [&](const Choice& c) {
       return (2 * uniform(1, 0) - 1) * c[0] / 4.0 + (2 * uniform(2, 0) - 1) * (c[1] / 4.0) * (c[1] / 4.0) +

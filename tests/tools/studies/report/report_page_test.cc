@@ -45,7 +45,7 @@ class Pages : public testing::Test {
     delete folder;
     folder = nullptr;
   }
-  static Ending in_folder(const Words& words) {
+  static ProcessResult in_folder(const Words& words) {
     return raywatt(words,
                    {.folder = folder->path(), .variables = {{"RAYWATT_PATH", (folder->path() / "scripts").string()}}});
   }
@@ -53,7 +53,7 @@ class Pages : public testing::Test {
   static std::string page_of(Words what) {
     what.insert(what.begin(), "report");
     what.insert(what.end(), {"-o", "page.html", "--force"});
-    const Ending ending = in_folder(what);
+    const ProcessResult ending = in_folder(what);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return read_bytes(folder->path() / "page.html");
   }
@@ -150,15 +150,15 @@ TEST_F(Pages, OfDamagedFilesAreWrittenWithWarnings) {
   fs::copy(folder->path() / "base", run);
   folder->write("damaged/tiles.json", "{");
   folder->write("damaged/intervals.bin.zst", "no intervals");
-  const Ending one = in_folder({"report", "damaged", "-o", "damaged.html"});
+  const ProcessResult one = in_folder({"report", "damaged", "-o", "damaged.html"});
   EXPECT_EQ(one.exit, 0) << one.err;
   EXPECT_SAYS(one.err, "raywatt: warning: damaged/tiles.json");
   EXPECT_SAYS(one.err, "raywatt: warning: damaged/intervals.bin.zst");
   folder->write("damaged/image.png", "no picture");
-  const Ending blank = in_folder({"report", "damaged", "-o", "blank.html"});
+  const ProcessResult blank = in_folder({"report", "damaged", "-o", "blank.html"});
   EXPECT_EQ(blank.exit, 0) << blank.err;
   EXPECT_SAYS(blank.err, "raywatt: warning: damaged/image.png");
-  const Ending two = in_folder({"report", "base", "damaged", "-o", "damaged-diff.html"});
+  const ProcessResult two = in_folder({"report", "base", "damaged", "-o", "damaged-diff.html"});
   EXPECT_EQ(two.exit, 0) << two.err;
   EXPECT_NE(two.err.find("the page compares no tiles"), std::string::npos) << two.err;
 }

@@ -20,7 +20,7 @@ Words small_hybrid(const fs::path& out, const Words& more = {}) {
 }
 
 /// Tests that interrupt small experiments after their start.
-Ending begun(const fs::path& out) {
+ProcessResult begun(const fs::path& out) {
   Program program({"reproduce", "hybrid", "--threads", "1", "-o", out.string()});
   EXPECT_TRUE(program.wait_for_complaint());
   program.send(SIGINT);
@@ -40,7 +40,7 @@ class GoOn : public testing::Test {
     std::ofstream(out / "reproduce.json") << part.dump(2);
   }
   /// Starts or continues a run, and sends it a signal after the first rows are written.
-  Ending lee2016_until(int signal) const {
+  ProcessResult lee2016_until(int signal) const {
     const bool is_anew = !fs::exists(out);
     const auto before = is_anew ? fs::file_time_type::min() : fs::last_write_time(out / "reproduce.json");
     Program program({"reproduce", "lee2016", "--quick", "--threads", "1", "-o", out.string()});
@@ -78,7 +78,7 @@ TEST_F(GoOn, KeepsFinishedRowsAfterAKill) {
 TEST_F(GoOn, ReusesFinishedRowsAndMeasuresTheRest) {
   interrupt_late();
   const Words pictures = names_in(out);
-  const Ending ending = raywatt(small_hybrid(out));
+  const ProcessResult ending = raywatt(small_hybrid(out));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "continues after");
   EXPECT_EQ(first_figure(), 77);

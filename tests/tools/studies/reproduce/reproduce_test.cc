@@ -35,7 +35,7 @@ std::set<MetricKey> metric_keys(const Paper& paper, bool quick) {
 std::string name_of(const MetricKey& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
 
 /// Uses a cache folder of the test.
-Surroundings with_cache(const TempFolder& folder) {
+ProcessEnvironment with_cache(const TempFolder& folder) {
   return {.folder = {},
           .variables = {{"XDG_CACHE_HOME", (folder.path() / "cache").string()}},
           .longest_file = 0,
@@ -70,7 +70,7 @@ TEST_P(EachPaper, HasANumberForEveryRowOfAQuickRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   const std::string paper(GetParam().name);
-  const Ending ending = raywatt({"reproduce", paper, "--quick", "-o", out.string()}, with_cache(folder));
+  const ProcessResult ending = raywatt({"reproduce", paper, "--quick", "-o", out.string()}, with_cache(folder));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json results = read_json(out / "reproduce.json");
   EXPECT_EQ(results["schema"], "raywatt-reproduce/1");

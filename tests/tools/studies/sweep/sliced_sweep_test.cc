@@ -30,7 +30,7 @@ struct SlicedSweep : testing::Test {
   fs::path out = folder.path() / "out";
   Store store{folder.path() / "store"};
 
-  Ending run(const Words& more = {}, const std::string& lines = kTwo) {
+  ProcessResult run(const Words& more = {}, const std::string& lines = kTwo) {
     return raywatt(sweep_run(folder, folder.write("sweep.yaml", lines), more));
   }
   std::vector<Point> points() const {
@@ -42,7 +42,7 @@ struct SlicedSweep : testing::Test {
   std::string table() const { return read_bytes(out / "results.csv"); }
   void forget(const Point& point) const { fs::remove_all(store.folder_of(point.id)); }
   std::string collect() const {
-    const Ending ending = raywatt({"sweep", "collect", out});
+    const ProcessResult ending = raywatt({"sweep", "collect", out});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return ending.out + ending.err;
   }
@@ -53,7 +53,7 @@ struct SlicedSweep : testing::Test {
 };
 
 /// Returns the table of the sweep after an undisturbed run.
-const std::string& undisturbed() {
+const std::string& undisturbed_results() {
   static const std::string table = [] {
     const TempFolder folder;
     EXPECT_EQ(raywatt(sweep_run(folder, folder.write("sweep.yaml", kTwo), {"-j", "2"})).exit, 0);
@@ -63,14 +63,14 @@ const std::string& undisturbed() {
 }
 
 TEST_F(SlicedSweep, AReportIsThatOfARunInSlices) {
-  const Ending ending = run({"-j", "2"});
+  const ProcessResult ending = run({"-j", "2"});
   ASSERT_EQ(ending.exit, 0) << ending.err << ending.out;
   EXPECT_SAYS(ending.out, "2 points: 2 computed, 0 found, 0 failed");
   EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);
   for (const Point& point : points()) {
     const fs::path alone = folder.path() / point.id;
-    const Ending one = raywatt({"run", "--resolution", "64x64", "--set", "render.tile=4", "--set",
-                                "cores=" + point.axes[0].second, "--slices", "4", "-o", alone});
+    const ProcessResult one = raywatt({"run", "--resolution", "64x64", "--set", "render.tile=4", "--set",
+                                       "cores=" + point.axes[0].second, "--slices", "4", "-o", alone});
     ASSERT_EQ(one.exit, 0) << one.err;
     const nlohmann::json joined = read_json(store.folder_of(point.id) / "report.json");
     EXPECT_EQ(comparable(joined), comparable(read_json(alone / "report.json")));
@@ -81,9 +81,9 @@ TEST_F(SlicedSweep, AReportIsThatOfARunInSlices) {
   }
   EXPECT_EQ(std::ranges::count(table(), '\n'), 3) << "a row a point";
   EXPECT_EQ(run().exit, 0);
-  EXPECT_EQ(last_run(out), (Tally{2, 0, 2, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 0, 2, 0}));
   expect_nothing_left_over();
-  const Ending best = raywatt({"sweep", "best", out, "--max", "fps"});
+  const ProcessResult best = raywatt({"sweep", "best", out, "--max", "fps"});
   EXPECT_EQ(best.exit, 0) << best.err;
   EXPECT_SAYS(best.out, "--slices 4");
 }
@@ -102,7 +102,7 @@ TEST_F(SlicedSweep, FramesOfAnAnimationAreJoinedOneByOne) {
 
 TEST_F(SlicedSweep, NothingDependsOnTheOrderOfSlicesAndOnWhoComputesThem) {
   ASSERT_EQ(run({"-j", "1"}).exit, 0);
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
   fs::remove_all(store.root());
   const auto point = [&](int index) { return raywatt({"sweep", "point", out, "--index", std::to_string(index)}); };
   for (int index = kPoints * kSlices - 1; index > 0; --index) EXPECT_EQ(point(index).exit, 0) << index;
@@ -111,7 +111,7 @@ TEST_F(SlicedSweep, NothingDependsOnTheOrderOfSlicesAndOnWhoComputesThem) {
   EXPECT_EQ(point(0).exit, 0);
   EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);
   EXPECT_SAYS(collect(), "2 points: 2 done");
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
   expect_refusal(point(kPoints * kSlices), {"--index 8", "there are 8 chunks"});
   const fs::path list = folder.write("list.txt", points()[1].id + " " + slices_of(points()[0])[2].id + "\n");
   fs::remove_all(store.root());
@@ -121,8 +121,8 @@ TEST_F(SlicedSweep, NothingDependsOnTheOrderOfSlicesAndOnWhoComputesThem) {
 
 TEST_F(SlicedSweep, TwoSweepsOnOneStoreShareTheSlicesOfAPoint) {
   sweep_twice_at_once(folder, folder.write("sweep.yaml", kTwo));
-  EXPECT_EQ(table(), undisturbed());
-  EXPECT_EQ(read_bytes(folder.path() / "second" / "results.csv"), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
+  EXPECT_EQ(read_bytes(folder.path() / "second" / "results.csv"), undisturbed_results());
   EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);
   expect_nothing_left_over();
 }
@@ -140,7 +140,7 @@ TEST_F(SlicedSweep, KilledAgainAndAgainItEndsWithTheSameTable) {
   }
   EXPECT_GE(kills, 2) << "the sweep is too small to be killed";
   EXPECT_EQ(run({"-j", "2"}).exit, 0);
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
   EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);
   expect_nothing_left_over();
 }
@@ -152,10 +152,10 @@ TEST_F(SlicedSweep, SlicesThatNobodyHasJoinedAreJoinedByCollectAndByTheNextRun) 
   EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "2 points: 1 done, 0 failed, 1 missing (0 of them");
   EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "of their slices 4 of 4 are done");
   EXPECT_SAYS(collect(), "2 points: 2 done");
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
   forget(all[0]);
   ASSERT_EQ(run().exit, 0);
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
   expect_nothing_left_over();
 }
 
@@ -168,12 +168,12 @@ TEST_F(SlicedSweep, ASliceThatIsMissingOrDamagedIsComputedAlone) {
   forget(slices[2]);
   std::ofstream(store.folder_of(slices[3].id) / "slice.json", std::ios::app) << " ";
   EXPECT_SAYS(collect(), "2 points: 1 done, 1 missing");
-  const Ending plan = run({"--dry-run"});
+  const ProcessResult plan = run({"--dry-run"});
   EXPECT_SAYS(plan.out, "to compute, 2 of 4 slices in the store");
   EXPECT_SAYS(plan.out, "2 points, 1 of them in the store");
   ASSERT_EQ(run().exit, 0);
-  EXPECT_EQ(last_run(out), (Tally{2, 1, 1, 0}));
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 1, 1, 0}));
+  EXPECT_EQ(table(), undisturbed_results());
   EXPECT_EQ((std::vector{written(0), written(1)}), others);
   EXPECT_EQ(names_in(store.root() / "damaged"), Words{slices[3].id + ".1"});
 }
@@ -188,7 +188,7 @@ TEST_F(SlicedSweep, ASliceWhoseWorkerCrashesFailsItsPointUntilItIsComputedAnew) 
   pid_t worker = 0;
   ASSERT_TRUE(children >> worker);
   ::kill(worker, SIGSEGV);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_SAYS(ending.out, "slice 1 of 3: the worker crashed: Segmentation fault");
   EXPECT_SAYS(table(), ",failed,");
@@ -197,13 +197,13 @@ TEST_F(SlicedSweep, ASliceWhoseWorkerCrashesFailsItsPointUntilItIsComputedAnew) 
   fs::remove(store.failure_file(points()[0].id));
   EXPECT_SAYS(collect(), "1 points: 0 done, 1 failed");
   EXPECT_EQ(run({"--retry-failed"}, lines).exit, 0);
-  EXPECT_EQ(last_run(out), (Tally{1, 1, 0, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{1, 1, 0, 0}));
   EXPECT_EQ(points_in(store.root()), 4U);
   EXPECT_SAYS(table(), ",done,");
 }
 
 TEST_F(SlicedSweep, APointFailsWithItsFirstSliceThatDoes) {
-  const Ending ending = run({"-j", "1"}, std::string(kTwo) + "camera: absent\nwhere: [{cores: 1}]\n");
+  const ProcessResult ending = run({"-j", "1"}, std::string(kTwo) + "camera: absent\nwhere: [{cores: 1}]\n");
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "slice 1 of 4: ");
   fs::remove_all(store.root());
@@ -230,13 +230,13 @@ TEST_F(SlicedSweep, ASliceThatIsNoneFailsItsPoint) {
   for (const std::string& bad :
        std::vector<std::string>{"{", "[]", "{\"frames\":[]}", other.dump(), std::string(100'000, '[')}) {
     put(bad);
-    const Ending ending = run({"--retry-failed"});
+    const ProcessResult ending = run({"--retry-failed"});
     EXPECT_EQ(ending.exit, 1) << bad.substr(0, 20) << ending.err;
-    EXPECT_EQ(last_run(out), (Tally{2, 0, 1, 1})) << bad.substr(0, 20);
+    EXPECT_EQ(last_run_counts(out), (Tally{2, 0, 1, 1})) << bad.substr(0, 20);
   }
   put(whole);
   EXPECT_EQ(run({"--retry-failed"}).exit, 0);
-  EXPECT_EQ(table(), undisturbed());
+  EXPECT_EQ(table(), undisturbed_results());
 }
 
 TEST(SlicesOfPoints, HaveNamesOfTheirOwnAndAreReadFromTheirLines) {

@@ -35,12 +35,12 @@ struct SlurmWords : testing::Test {
     command("sbatch", "echo '12;cluster'");
     command("scancel", "");
   }
-  Ending with_commands(const Words& words) {
-    Surroundings around;
+  ProcessResult with_commands(const Words& words) {
+    ProcessEnvironment around;
     around.variables = {{"PATH", (folder.path() / "bin").string() + ":/usr/bin:/bin"}};
     return raywatt(words, around);
   }
-  Ending run(const Words& more = {}, const char* lines = kFourPoints) {
+  ProcessResult run(const Words& more = {}, const char* lines = kFourPoints) {
     Words words = sweep_run(folder, write_sweep(folder, lines), {"--launcher", "slurm"});
     words.insert(words.end(), more.begin(), more.end());
     return with_commands(words);
@@ -49,7 +49,7 @@ struct SlurmWords : testing::Test {
 
 TEST_F(SlurmWords, AJobArrayIsHandedInAndTheCommandReturns) {
   idle_slurm();
-  const Ending ending = run({"--chunk", "1", "-j", "3", "--slurm-args", "--time=1:00:00 --partition=fat"});
+  const ProcessResult ending = run({"--chunk", "1", "-j", "3", "--slurm-args", "--time=1:00:00 --partition=fat"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "4 points: 4 handed in, 0 in the queue already, 0 with a result");
   EXPECT_SAYS(ending.out, "4 of job 12\n");
@@ -69,11 +69,11 @@ TEST_F(SlurmWords, SlicesOfAPointAreHandedInLikePoints) {
   command(
       "sbatch",
       "for script; do :; done; for task in 7 6 5 4 3 2 1 0; do SLURM_ARRAY_TASK_ID=$task sh $script; done; echo 12");
-  const Ending begun = run({"--chunk", "1"}, kCut);
+  const ProcessResult begun = run({"--chunk", "1"}, kCut);
   EXPECT_EQ(begun.exit, 0) << begun.err;
   EXPECT_SAYS(begun.out, "2 points, 8 slices: 8 handed in, 0 in the queue already, 0 with a result");
   EXPECT_SAYS(said_to("sbatch"), "--array=0-7\n");
-  const Ending done = run({"--chunk", "1"}, kCut);
+  const ProcessResult done = run({"--chunk", "1"}, kCut);
   EXPECT_EQ(done.exit, 0) << done.err;
   EXPECT_SAYS(done.out, "2 points: 0 computed, 2 found, 0 failed");
   EXPECT_FALSE(fs::exists(out / "submit-2.sh"));
@@ -99,7 +99,7 @@ TEST_F(SlurmWords, WhatIsInTheQueueIsNotHandedInAgain) {
                         "'; echo '9|0|RUNNING|None|n1|/else/submit-1.sh'; echo '10|N/A|RUNNING|None|n1|/else/job'");
   EXPECT_SAYS(run({"--chunk", "3"}).out, "4 points: 3 handed in, 1 in the queue already");
   EXPECT_EQ(std::ranges::count(read_bytes(out / "submit-2.txt"), '\n'), 1);
-  const Ending status = with_commands({"sweep", "status", out});
+  const ProcessResult status = with_commands({"sweep", "status", out});
   EXPECT_SAYS(status.out, "in Slurm's queue: 0 tasks running, 1 waiting (Priority), of jobs 12\n");
   EXPECT_EQ(nlohmann::json::parse(with_commands({"sweep", "status", out, "--json"}).out)["slurm"]["waiting"], 1);
 }
@@ -124,22 +124,23 @@ TEST_F(SlurmWords, ARefusalIsToldInSlurmsWordsAndLeavesNothing) {
 TEST_F(SlurmWords, AQueueThatDoesNotAnswerIsNoEmptyQueue) {
   idle_slurm();
   command("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
-  const Ending ending = run();
+  const ProcessResult ending = run();
   EXPECT_EQ(ending.exit, 74);
   EXPECT_SAYS(ending.err, "Unable to contact slurm controller");
   EXPECT_FALSE(fs::exists(folder.path() / "sbatch.said"));
 }
 
 TEST_F(SlurmWords, WithoutSlurmTheHostIsTheWrongOne) {
-  Surroundings around;
+  ProcessEnvironment around;
   around.variables = {{"PATH", folder.path().string()}};
-  const Ending ending = raywatt(sweep_run(folder, write_sweep(folder, kFourPoints), {"--launcher", "slurm"}), around);
+  const ProcessResult ending =
+      raywatt(sweep_run(folder, write_sweep(folder, kFourPoints), {"--launcher", "slurm"}), around);
   expect_refusal(ending, {"squeue cannot be started", "local"});
 }
 
 TEST_F(SlurmWords, TasksThatNeverBeginAreToldOf) {
   idle_slurm();
-  const Ending ending = run({"--wait"});
+  const ProcessResult ending = run({"--wait"});
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "4 points have no result");
   EXPECT_SAYS(read_bytes(out / "results.csv"), ",missing,");

@@ -49,12 +49,12 @@ void sweep_twice_at_once(const TempFolder& folder, const fs::path& file) {
   Words second = sweep_run(folder, file, {"-j", "2"});
   second[4] = (folder.path() / "second").string();
   Program a(sweep_run(folder, file, {"-j", "2"})), b(second);
-  const Ending end_a = a.wait(), end_b = b.wait();
+  const ProcessResult end_a = a.wait(), end_b = b.wait();
   EXPECT_EQ(end_a.exit, 0) << end_a.err;
   EXPECT_EQ(end_b.exit, 0) << end_b.err;
 }
 
-Words labels_of(const std::vector<tools::sweep::Point>& points) {
+Words axis_labels(const std::vector<tools::sweep::Point>& points) {
   Words labels;
   for (const tools::sweep::Point& point : points) {
     std::string label;
@@ -79,7 +79,7 @@ nlohmann::json comparable(nlohmann::json report) {
   return report;
 }
 
-Tally last_run(const fs::path& out) {
+Tally last_run_counts(const fs::path& out) {
   std::istringstream runs(read_bytes(out / "log" / "runs.jsonl"));
   std::string last;
   for (std::string line; std::getline(runs, line);) last = line;

@@ -26,7 +26,7 @@ Words sweep_run(const TempFolder& folder, const std::filesystem::path& file, con
 void sweep_twice_at_once(const TempFolder& folder, const std::filesystem::path& file);
 
 /// Returns the axis values of each point as text: "cores=1 tni.trvs=2".
-Words labels_of(const std::vector<tools::sweep::Point>& points);
+Words axis_labels(const std::vector<tools::sweep::Point>& points);
 
 /// Returns the number of finished points in a store.
 std::size_t points_in(const std::filesystem::path& store);
@@ -37,6 +37,6 @@ nlohmann::json comparable(nlohmann::json report);
 /// Numbers of points in a run of a sweep: all, computed, found in the store, failed.
 using Tally = std::array<int, 4>;
 /// Returns the numbers of points of the last run of a sweep, from the log in its folder.
-Tally last_run(const std::filesystem::path& out);
+Tally last_run_counts(const std::filesystem::path& out);
 
 }  // namespace test

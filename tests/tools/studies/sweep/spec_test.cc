@@ -27,7 +27,7 @@ TEST(SweepSpec, WithoutAxesIsOnePoint) {
 }
 
 TEST(SweepSpec, TheLastAxisVariesFastest) {
-  EXPECT_EQ(labels_of(points_of("axes: {cores: [1, 2], tni.trvs: [2, 4]}\n")),
+  EXPECT_EQ(axis_labels(points_of("axes: {cores: [1, 2], tni.trvs: [2, 4]}\n")),
             (Words{"cores=1 tni.trvs=2", "cores=1 tni.trvs=4", "cores=2 tni.trvs=2", "cores=2 tni.trvs=4"}));
 }
 
@@ -36,8 +36,8 @@ TEST(SweepSpec, WorkloadsAndProgramsAreTheOuterAxes) {
       "axes: {cores: [1, 2]}\nprograms: [full:1, full:4]\n"
       "workloads:\n  - cornell\n  - {scene: teapot, resolution: 32x16, name: pot}\n");
   ASSERT_EQ(points.size(), 8U);
-  EXPECT_EQ(labels_of(points)[0], "workload=cornell program=full:1 cores=1");
-  EXPECT_EQ(labels_of(points)[7], "workload=pot program=full:4 cores=2");
+  EXPECT_EQ(axis_labels(points)[0], "workload=cornell program=full:1 cores=1");
+  EXPECT_EQ(axis_labels(points)[7], "workload=pot program=full:4 cores=2");
   EXPECT_EQ(points[7].scene, "teapot");
   EXPECT_EQ(points[7].resolution, "32x16");
   EXPECT_EQ(points[0].resolution, "16x16") << "the sweep's, where the workload has none";
@@ -65,14 +65,14 @@ TEST(SweepSpec, ConditionsOfManyValuesHoldForManyCombinations) {
 
 TEST(SweepSpec, AnExclusionWhoseFirstTermHoldsIsLookedAtToItsEnd) {
   EXPECT_EQ(
-      labels_of(points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nexclude:\n"
-                          "  - {cores: 2, tni.trvs: 1}\n  - {cores: [7, x7]}\n  - {tni.trvs: cores, cores: 1}\n")),
+      axis_labels(points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nexclude:\n"
+                            "  - {cores: 2, tni.trvs: 1}\n  - {cores: [7, x7]}\n  - {tni.trvs: cores, cores: 1}\n")),
       (Words{"cores=1 tni.trvs=2", "cores=2 tni.trvs=2"}));
 }
 
 TEST(SweepSpec, AnExclusionOfTwoAxesIsLookedAtWhereItsOtherTermsHold) {
   const std::string axes = "axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4]}\nexclude:\n";
-  EXPECT_EQ(labels_of(points_of(axes + "  - {cores: '<= tni.trvs', tni.trvs: [2, 4]}\n")),
+  EXPECT_EQ(axis_labels(points_of(axes + "  - {cores: '<= tni.trvs', tni.trvs: [2, 4]}\n")),
             (Words{"cores=1 tni.trvs=1", "cores=2 tni.trvs=1", "cores=4 tni.trvs=1", "cores=4 tni.trvs=2"}));
   EXPECT_EQ(points_of(axes + "  - {cores: tni.trvs}\n").size(), 6U);
   // Invalid comparisons are refused, whatever the terms after them are.
@@ -92,18 +92,18 @@ TEST(SweepSpec, KeysOfOneAxisMoveTogether) {
   ASSERT_EQ(same.size(), 2U);
   EXPECT_EQ(same[1].sets, (Words{"tni.trv.l1.size=16 KiB", "tni.ist.l1.size=16 KiB"}));
   const auto rows = points_of("axes:\n  size: {keys: [cores, tni.trvs], values: {small: [1, 2], large: [4, 4]}}\n");
-  EXPECT_EQ(labels_of(rows), (Words{"size=small", "size=large"}));
+  EXPECT_EQ(axis_labels(rows), (Words{"size=small", "size=large"}));
   EXPECT_EQ(rows[0].sets, (Words{"cores=1", "tni.trvs=2"}));
-  EXPECT_EQ(labels_of(points_of("axes:\n  size: {keys: [cores, tni.trvs], values: [[1, 2], [4, 4]]}\n")),
+  EXPECT_EQ(axis_labels(points_of("axes:\n  size: {keys: [cores, tni.trvs], values: [[1, 2], [4, 4]]}\n")),
             (Words{"size=1 / 2", "size=4 / 4"}));
 }
 
 TEST(SweepSpec, ConditionsCompareAsQuantitiesAndAcrossAxes) {
   const std::string axes = "axes: {cores: [1, 2, 4], tni.trvs: [2, 4]}\n";
   EXPECT_EQ(
-      labels_of(points_of(axes + "exclude:\n  - {cores: [1, 2], tni.trvs: 2}\n  - {cores: 4, tni.trvs: '> 2'}\n")),
+      axis_labels(points_of(axes + "exclude:\n  - {cores: [1, 2], tni.trvs: 2}\n  - {cores: 4, tni.trvs: '> 2'}\n")),
       (Words{"cores=1 tni.trvs=4", "cores=2 tni.trvs=4", "cores=4 tni.trvs=2"}));
-  EXPECT_EQ(labels_of(points_of(axes + "where:\n  - {cores: '>= tni.trvs'}\n")),
+  EXPECT_EQ(axis_labels(points_of(axes + "where:\n  - {cores: '>= tni.trvs'}\n")),
             (Words{"cores=2 tni.trvs=2", "cores=4 tni.trvs=2", "cores=4 tni.trvs=4"}));
   EXPECT_EQ(
       points_of("axes: {tni.trv.l1.size: [8 KiB, 16 KiB, 32 KiB]}\nwhere: [{tni.trv.l1.size: <= 16384 B}]\n").size(),

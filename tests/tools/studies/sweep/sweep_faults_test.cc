@@ -31,7 +31,7 @@ struct SweepFaults : testing::Test {
   fs::path out = folder.path() / "out", store = folder.path() / "store";
 
   /// Returns results.csv of the same sweep after an undisturbed run with its own store.
-  std::string undisturbed(const std::string& lines) {
+  std::string undisturbed_results(const std::string& lines) {
     const TempFolder other;
     EXPECT_EQ(raywatt(sweep_run(other, write_sweep(other, lines))).exit, 0);
     return read_bytes(other.path() / "out" / "results.csv");
@@ -50,7 +50,7 @@ TEST_F(SweepFaults, AFolderRenamedDuringTheRunIsNamedWithWhatToDo) {
     Program program(sweep_run(folder, file, {"-j", "1"}));
     EXPECT_TRUE(wait_until([&] { return program.ended() || points_in(store) >= 1; }));
     fs::rename(out, moved);
-    const Ending ending = program.wait();
+    const ProcessResult ending = program.wait();
     EXPECT_EQ(ending.exit, 74);
     EXPECT_EQ(ending.err, "raywatt: " + out.string() +
                               ": was moved or removed during the run; computed points are in " + store.string() +
@@ -58,8 +58,8 @@ TEST_F(SweepFaults, AFolderRenamedDuringTheRunIsNamedWithWhatToDo) {
   }
   fs::rename(moved, out);
   ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
-  EXPECT_EQ(last_run(out), (Tally{12, 0, 12, 0}));
-  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  EXPECT_EQ(last_run_counts(out), (Tally{12, 0, 12, 0}));
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed_results(kTwelve));
 }
 
 TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
@@ -79,11 +79,11 @@ TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
     before = points_in(store);
   }
   EXPECT_GE(kills, 2) << "the sweep is too small to be killed";
-  const Ending last = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  const ProcessResult last = raywatt(sweep_run(folder, file, {"-j", "2"}));
   EXPECT_EQ(last.exit, 0) << last.err << last.out;
-  EXPECT_GE(last_run(out)[2], static_cast<int>(before));
+  EXPECT_GE(last_run_counts(out)[2], static_cast<int>(before));
   EXPECT_EQ(points_in(store), kTwelvePoints);
-  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed_results(kTwelve));
   expect_nothing_left_over();
 }
 
@@ -105,9 +105,9 @@ TEST_F(SweepFaults, WhatAKilledProcessWasWritingIsRemovedByTheNextRun) {
 
 TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
   sweep_twice_at_once(folder, write_sweep(folder, kTwelve));
-  EXPECT_EQ(last_run(out)[1] + last_run(folder.path() / "second")[1], static_cast<int>(kTwelvePoints));
+  EXPECT_EQ(last_run_counts(out)[1] + last_run_counts(folder.path() / "second")[1], static_cast<int>(kTwelvePoints));
   EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(folder.path() / "second" / "results.csv"));
-  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed_results(kTwelve));
   expect_nothing_left_over();
 }
 
@@ -116,7 +116,7 @@ TEST_F(SweepFaults, TwoRunsOfOneFolderAreRefused) {
   Program first(sweep_run(folder, file));
   EXPECT_TRUE(wait_until([&] { return fs::exists(out / "lock") && fs::exists(out / "points.jsonl"); }));
   const std::string points = read_bytes(out / "points.jsonl");
-  const Ending second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
+  const ProcessResult second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
   expect_refusal(second, {"another process is running this sweep"});
   EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
 }
@@ -127,7 +127,7 @@ TEST_F(SweepFaults, InterruptedItKeepsWhatIsFinished) {
     Program program(sweep_run(folder, file, {"-j", "1", "--progress", "json"}));
     EXPECT_TRUE(program.wait_until([](const std::string& err) { return err.find("\"tile\":2") != std::string::npos; }));
     program.send(signal);
-    const Ending ending = program.wait();
+    const ProcessResult ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal) << ending.err;
     EXPECT_SAYS(ending.err, "raywatt: interrupted; kept 2 of 3 points in " + out.string());
     EXPECT_SAYS(read_bytes(out / "results.csv"), ",missing,512x512,");
@@ -153,11 +153,11 @@ TEST_F(SweepFaults, AWorkerThatCrashesTakesOnlyItsPoint) {
   EXPECT_TRUE(wait_until([&] { return fs::exists(store / "tmp") && !names_in(store / "tmp").empty(); }));
   ASSERT_EQ(children_of(program.process()).size(), 1U);
   ::kill(children_of(program.process())[0], SIGSEGV);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 1) << ending.err;
-  EXPECT_EQ(last_run(out), (Tally{3, 2, 0, 1}));
+  EXPECT_EQ(last_run_counts(out), (Tally{3, 2, 0, 1}));
   EXPECT_SAYS(ending.out, "the worker crashed: Segmentation fault");
-  const Ending status = raywatt({"sweep", "status", "--json", out});
+  const ProcessResult status = raywatt({"sweep", "status", "--json", out});
   EXPECT_EQ(nlohmann::json::parse(status.out)["failures"][0]["exit"], 128 + SIGSEGV);
 }
 
@@ -167,9 +167,9 @@ TEST_F(SweepFaults, AWorkerThatSomebodyKillsIsTriedAgain) {
   EXPECT_TRUE(wait_until([&] { return fs::exists(store / "tmp") && !names_in(store / "tmp").empty(); }));
   ASSERT_EQ(children_of(program.process()).size(), 1U);
   ::kill(children_of(program.process())[0], SIGKILL);
-  const Ending ending = program.wait();
+  const ProcessResult ending = program.wait();
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_EQ(last_run(out), (Tally{2, 2, 0, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 2, 0, 0}));
   expect_nothing_left_over();
 }
 
@@ -197,7 +197,7 @@ TEST_F(SweepFaults, AFullDiskStopsItAndItGoesOnOnceThereIsRoom) {
   const SmallDisk disk(store);
   if (!disk.is_mounted()) GTEST_SKIP() << "needs the right to mount a small file system";
   const fs::path file = write_sweep(folder, kTwelve);
-  const Ending full = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  const ProcessResult full = raywatt(sweep_run(folder, file, {"-j", "2"}));
   EXPECT_EQ(full.exit, 74) << full.err;
   EXPECT_SAYS(full.err, "No space left on device");
   EXPECT_EQ(std::ranges::count(full.err, '\n'), 1) << full.err;
@@ -205,10 +205,10 @@ TEST_F(SweepFaults, AFullDiskStopsItAndItGoesOnOnceThereIsRoom) {
   EXPECT_GT(points_in(store), 0U);
   EXPECT_EQ(raywatt(sweep_run(folder, file, {"-j", "2"})).exit, 74) << "still full";
   disk.grow();
-  const Ending more = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  const ProcessResult more = raywatt(sweep_run(folder, file, {"-j", "2"}));
   EXPECT_EQ(more.exit, 0) << more.err << more.out;
-  EXPECT_GT(last_run(out)[2], 0);
-  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  EXPECT_GT(last_run_counts(out)[2], 0);
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed_results(kTwelve));
   expect_nothing_left_over();
 }
 

@@ -28,19 +28,19 @@ struct SweepRun : testing::Test {
   TempFolder folder;
   fs::path out = folder.path() / "out", store = folder.path() / "store";
 
-  Ending run(const std::string& lines, const Words& more = {}) {
+  ProcessResult run(const std::string& lines, const Words& more = {}) {
     return raywatt(sweep_run(folder, write_sweep(folder, lines), more));
   }
-  Ending sweep(Words words) {
+  ProcessResult sweep(Words words) {
     words.insert(words.begin(), "sweep");
     return raywatt(words);
   }
 };
 
 TEST_F(SweepRun, ComputesEveryPointAsARunDoes) {
-  const Ending ending = run(kFour);
+  const ProcessResult ending = run(kFour);
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_EQ(last_run(out), (Tally{4, 4, 0, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{4, 4, 0, 0}));
   EXPECT_SAYS(ending.out, "busy");
   EXPECT_EQ(points_in(store), 4U);
   const Words lines = lines_in(out / "points.jsonl");
@@ -80,7 +80,7 @@ TEST_F(SweepRun, AgainComputesNothingAndLeavesEveryByte) {
   const auto begin = std::chrono::steady_clock::now();
   run(kFour);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  EXPECT_EQ(last_run(out), (Tally{4, 0, 4, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{4, 0, 4, 0}));
   EXPECT_EQ(read_bytes(out / "results.csv"), results);
   EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
   EXPECT_EQ(std::ranges::count(results, '\n'), 5);
@@ -89,32 +89,32 @@ TEST_F(SweepRun, AgainComputesNothingAndLeavesEveryByte) {
 TEST_F(SweepRun, WithAnotherValueComputesNewPointsOnly) {
   ASSERT_EQ(run(kFour).exit, 0);
   run("axes: {cores: [1, 2], tni.trvs: [2, 3, 4]}\n");
-  EXPECT_EQ(last_run(out), (Tally{6, 2, 4, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{6, 2, 4, 0}));
 }
 
 TEST_F(SweepRun, UsesWhatAnotherSweepHasComputed) {
   ASSERT_EQ(run(kFour).exit, 0);
-  Surroundings around;
+  ProcessEnvironment around;
   around.variables = {{"RAYWATT_STORE", store.string()}};
   const fs::path file = write_sweep(folder, "axes: {tni.trvs: [4, 8]}\nsets: [cores=2]\n");
   raywatt({"sweep", "run", file, "-o", folder.path() / "other"}, around);
-  EXPECT_EQ(last_run(folder.path() / "other"), (Tally{2, 1, 1, 0}));
+  EXPECT_EQ(last_run_counts(folder.path() / "other"), (Tally{2, 1, 1, 0}));
 }
 
 TEST_F(SweepRun, RecordsAPointThatFailsGoesOnAndEndsWithOne) {
   const std::string lines = "axes: {camera: ['0', absent]}\nsets: [cores=1]\n";
-  const Ending ending = run(lines);
+  const ProcessResult ending = run(lines);
   EXPECT_EQ(ending.exit, 1) << ending.err;
-  EXPECT_EQ(last_run(out), (Tally{2, 1, 0, 1}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 1, 0, 1}));
   EXPECT_SAYS(ending.out, "1     camera=absent: ");
   const std::string results = read_bytes(out / "results.csv");
   EXPECT_SAYS(results, ",done,");
   EXPECT_SAYS(results, ",failed,absent,");
   run(lines);
-  EXPECT_EQ(last_run(out), (Tally{2, 0, 1, 1})) << "not tried again";
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 0, 1, 1})) << "not tried again";
   run(lines, {"--retry-failed"});
-  EXPECT_EQ(last_run(out), (Tally{2, 0, 1, 1}));
-  const Ending status = sweep({"status", out, "--json"});
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 0, 1, 1}));
+  const ProcessResult status = sweep({"status", out, "--json"});
   const auto json = nlohmann::json::parse(status.out);
   EXPECT_EQ(json["done"], 1);
   EXPECT_EQ(json["failed"], 1);
@@ -123,17 +123,17 @@ TEST_F(SweepRun, RecordsAPointThatFailsGoesOnAndEndsWithOne) {
 }
 
 TEST_F(SweepRun, PointsWhoseValuesDoNotGoTogetherFailAndOthersAreComputed) {
-  const Ending ending = run("axes: {tni.trv.l1.size: [64 B, 16 KiB]}\n");
+  const ProcessResult ending = run("axes: {tni.trv.l1.size: [64 B, 16 KiB]}\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
-  EXPECT_EQ(last_run(out), (Tally{2, 1, 0, 1}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 1, 0, 1}));
   EXPECT_SAYS(ending.out, "tni.trv.l1");
 }
 
 TEST_F(SweepRun, ComputesAPointOnceHoweverOftenItIsSaid) {
-  const Ending ending = run("axes: {tni.trv.l1.size: [16 KiB, 16384 B]}\n");
+  const ProcessResult ending = run("axes: {tni.trv.l1.size: [16 KiB, 16384 B]}\n");
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(points_in(store), 1U);
-  EXPECT_EQ(last_run(out), (Tally{2, 1, 1, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 1, 1, 0}));
 }
 
 TEST_F(SweepRun, ComputesADamagedPointAnew) {
@@ -144,7 +144,7 @@ TEST_F(SweepRun, ComputesADamagedPointAnew) {
   fs::resize_file(report, fs::file_size(report) / 2);
   EXPECT_EQ(nlohmann::json::parse(sweep({"status", out, "--json"}).out)["damaged"], 1);
   run(kFour);
-  EXPECT_EQ(last_run(out), (Tally{4, 1, 3, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{4, 1, 3, 0}));
   EXPECT_EQ(read_bytes(out / "results.csv"), results);
   EXPECT_EQ(names_in(store / "damaged"), Words{id + ".1"});
 }
@@ -153,7 +153,7 @@ TEST_F(SweepRun, GoesOnWithoutItsFile) {
   ASSERT_EQ(run(kFour).exit, 0);
   fs::remove_all(store);
   EXPECT_SAYS(sweep({"run", "--resume", "-o", out, "-j", "1"}).out, "1 worker busy");
-  EXPECT_EQ(last_run(out), (Tally{4, 4, 0, 0}));
+  EXPECT_EQ(last_run_counts(out), (Tally{4, 4, 0, 0}));
   EXPECT_EQ(points_in(store), 4U) << "in the store that the folder names";
 }
 
@@ -172,7 +172,7 @@ TEST_F(SweepRun, GoesOnWithoutItsFileWhereItWasKilledBeforeItHadPoints) {
 }
 
 TEST_F(SweepRun, ListsItsPointsAndWritesNothing) {
-  const Ending ending = run(kFour, {"--dry-run"});
+  const ProcessResult ending = run(kFour, {"--dry-run"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "4 points, 0 of them in the store");
   EXPECT_SAYS(ending.out, "to compute");
@@ -187,13 +187,13 @@ TEST_F(SweepRun, KeepsPicturesThatAreAskedFor) {
 }
 
 TEST_F(SweepRun, ComparesWithAReferenceAndGoesThroughFrames) {
-  const Ending ending =
+  const ProcessResult ending =
       run("axes: {program: [full:1, 'multirate:under']}\nreference: full:4\nframes: 0:1\nscene: cornell\n");
   EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
   EXPECT_SAYS(lines_in(out / "results.csv")[0], "totals.psnr_db");
   const fs::path alone = folder.path() / "alone";
-  const Ending run_alone = raywatt({"run", "--resolution", "16x16", "--scene", "cornell", "--frames", "0:1",
-                                    "--program", "multirate:under", "--reference", "full:4", "-o", alone});
+  const ProcessResult run_alone = raywatt({"run", "--resolution", "16x16", "--scene", "cornell", "--frames", "0:1",
+                                           "--program", "multirate:under", "--reference", "full:4", "-o", alone});
   EXPECT_EQ(run_alone.exit, 0) << run_alone.err;
   const std::string id = nlohmann::json::parse(lines_in(out / "points.jsonl")[1])["id"];
   EXPECT_EQ(comparable(read_json(store / "points" / id.substr(0, 2) / id / "report.json")),

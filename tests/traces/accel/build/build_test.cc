@@ -210,7 +210,7 @@ TEST(MemoryImage, RecordsThatNoMaterialNeedsTakeNoMemory) {
 }
 
 TEST(MemoryImage, FlagsMarkTrianglesThatAreNotOpaque) {
-  const MemoryImage image = build_memory_image(with_flags(triangle_soup(300, 0.3F)));
+  const MemoryImage image = build_memory_image(with_transparent_triangles(triangle_soup(300, 0.3F)));
   for (const TriangleRecord& t : image.triangles) {
     const std::uint32_t material = t.material & kTriangleMask;
     EXPECT_EQ(t.hit_flags(), material == 0 ? 0 : material == 1 ? kAlphaFlag : kTintFlag);

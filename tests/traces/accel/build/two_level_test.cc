@@ -43,7 +43,7 @@ TEST(HitOfInstances, HoldsTheInstanceAndTheWeightsInFourWords) {
     const Hit hit{1, u, dice.unit() * (1 - u), 77};
     const std::uint32_t instance = dice.below(kMaxInstances);
     const Hit packed = with_instance(hit, instance);
-    EXPECT_EQ(instance_of(packed), instance);
+    EXPECT_EQ(instance_index_of(packed), instance);
     const auto weight = [](float word) {
       return static_cast<double>(std::bit_cast<std::uint32_t>(word) >> kHalfBits) / kWeightOne;
     };
@@ -52,14 +52,14 @@ TEST(HitOfInstances, HoldsTheInstanceAndTheWeightsInFourWords) {
     EXPECT_LE(weight(packed.u) + weight(packed.v), 1);
   }
   const Hit corner = with_instance({0, 1, 0, 0}, kMaxInstances - 1);
-  EXPECT_EQ(instance_of(corner), kMaxInstances - 1);
+  EXPECT_EQ(instance_index_of(corner), kMaxInstances - 1);
 }
 
 TEST(TwoLevels, GiveTheSameHitsWithAnyTree) {
   for (const std::uint32_t leaf_size : {1U, 4U}) {
     BvhConfig config = kLevels;
     config.leaf_size = leaf_size;
-    for (const Scene& scene : {scattered(80), scattered(1), with_flags(grid_soup(500))}) {
+    for (const Scene& scene : {scattered(80), scattered(1), with_transparent_triangles(grid_soup(500))}) {
       const MemoryImage image = build_memory_image(scene, config);
       for (const std::vector<Ray>& rays : {random_rays(600), grid_rays(600), far_rays(image, 200)}) {
         std::vector<Hit> expected;
@@ -95,7 +95,7 @@ TEST(TwoLevels, RaysAimedAtEdgesAreNotLostByTheBoxesAroundInstances) {
 }
 
 TEST(TwoLevels, PortableArithmeticGivesTheSameBits) {
-  for (const Scene& scene : {scattered(100), with_flags(triangle_soup(2000, 0.1F))}) {
+  for (const Scene& scene : {scattered(100), with_transparent_triangles(triangle_soup(2000, 0.1F))}) {
     EXPECT_EQ(count_different_in_portable(build_memory_image(scene, kLevels), random_rays(20000)), 0U);
   }
 }
@@ -114,7 +114,7 @@ TEST(TwoLevels, FindTheHitsOfTheFlattenedScene) {
       ++different;
     } else if (a[i].is_hit()) {
       ++hits;
-      different += flat.triangles[a[i].triangle_index()].object != instance_of(b[i]) ? 1 : 0;
+      different += flat.triangles[a[i].triangle_index()].object != instance_index_of(b[i]) ? 1 : 0;
       const float bound = 1e-4F * a[i].t + 1e-5F * flat.diagonal() / glm::length(rays[i].direction);
       different += std::abs(a[i].t - b[i].t) > bound ? 1 : 0;
     }
@@ -124,7 +124,7 @@ TEST(TwoLevels, FindTheHitsOfTheFlattenedScene) {
 }
 
 TEST(TwoLevels, AgreeWithEmbreesInstances) {
-  for (const Scene& scene : {scattered(100), with_flags(triangle_soup(2000, 0.1F))}) {
+  for (const Scene& scene : {scattered(100), with_transparent_triangles(triangle_soup(2000, 0.1F))}) {
     const MemoryImage image = build_memory_image(scene, kLevels);
     const BvhTracer bvh(image);
     const EmbreeTracer embree(image, 1);
@@ -143,7 +143,7 @@ TEST(TwoLevels, AWrongInstanceIsADistanceError) {
       bvh.trace(rays, kind, hits, walk);
       for (Hit& hit : hits) {
         if (!hit.is_hit()) continue;
-        const std::uint32_t other = (instance_of(hit) + 4) % 80;  // another instance of the same mesh
+        const std::uint32_t other = (instance_index_of(hit) + 4) % 80;  // another instance of the same mesh
         hit.u = std::bit_cast<float>((std::bit_cast<std::uint32_t>(hit.u) & ~kHalfMask) | other);
       }
     }
@@ -292,7 +292,7 @@ TEST(TwoLevels, AnInstanceThatBecomesFlatGetsATreeOfItsOwnAndLosesItAgain) {
 
 TEST(TwoLevels, TheParentOfAnInstanceIsFound) {
   const MemoryImage image = build_memory_image(scattered(40), kLevels);
-  const std::vector<std::uint32_t> parents = parents_of(image);
+  const std::vector<std::uint32_t> parents = parent_indices(image);
   ASSERT_EQ(parents.size(), image.nodes.size() + image.instances.size());
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone) continue;

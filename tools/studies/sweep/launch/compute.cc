@@ -40,7 +40,7 @@ RunResult run_all(FrameSource& frames, const RunOptions& options) {
 }
 
 /// Writes the picture of the first frame.
-void write_picture(const PlayedFrame& played, const fs::path& file) {
+void write_picture(const SimulatedFrame& played, const fs::path& file) {
   if (!played.is_first) return;
   const kernels::RenderConfig& render = played.inputs.config.render;
   traces::write_png(file, render.width, render.height, to_rgb8(played.frame.rendered.rgb));
@@ -107,7 +107,7 @@ class JoinedSlices final : public PosedFrames {
 }  // namespace
 
 Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
-  const std::string wanted = inputs_key(config);
+  const std::string wanted = inputs_text(config);
   if (wanted != inputs_key_) {
     inputs_key_.clear();
     inputs_ = {};
@@ -191,7 +191,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
     RenderedFrames frames(inputs, make_plan(options), threads_, nullptr);
     RunOptions how{.trace = recording ? recording->trace.get() : nullptr};
-    if (point.image) how.on_frame = [&](const PlayedFrame& played) { write_picture(played, folder / "image.png"); };
+    if (point.image) how.on_frame = [&](const SimulatedFrame& played) { write_picture(played, folder / "image.png"); };
     const RunResult result = run_all(frames, how);
     if (recording) recording->trace->commit();
     write_results(

@@ -51,7 +51,7 @@ class PointComputer {
   const Store store_;
   const std::uint32_t threads_;
   PointKeys keys_;
-  std::string inputs_key_;  ///< inputs_key() of inputs_; empty if they cannot be used again
+  std::string inputs_key_;  ///< inputs_text() of inputs_; empty if they cannot be used again
   Inputs inputs_;
 };
 

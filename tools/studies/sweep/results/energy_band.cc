@@ -89,11 +89,11 @@ BandedMetric EnergyBand::price_metric(const Column& column, bool more_is_better)
       out.at_high.push_back(number->value);
       continue;
     }
-    const double nominal = nominal_pj(*runs_[i], joules->block);
+    const double nominal = nominal_energy_pj(*runs_[i], joules->block);
     const auto figure = [&](double pj) { return number->value * (joules->inverse ? nominal / pj : pj / nominal); };
-    out.at_low.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Band::low)));
-    out.at_high.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Band::high)));
-    std::vector<double> drawn = drawn_pj(*runs_[i], joules->block);
+    out.at_low.push_back(figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::low)));
+    out.at_high.push_back(figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::high)));
+    std::vector<double> drawn = energy_by_draw_pj(*runs_[i], joules->block);
     for (double& pj : drawn) pj = figure(pj);
     out.drawn.push_back(std::move(drawn));
   }
@@ -155,9 +155,9 @@ std::vector<double> EnergyBand::shares_on_front(const BandedMetric& x, const Ban
 std::vector<double> EnergyBand::factors_at(const EnergyMetric& metric, const std::string& entry, double quantile) {
   std::vector<double> out;
   for (const auto& run : runs_) {
-    const double nominal = nominal_pj(*run, metric.block);
-    set_alone(*run, entry, quantile);
-    const double pj = nominal_pj(*run, metric.block);
+    const double nominal = nominal_energy_pj(*run, metric.block);
+    set_single_entry(*run, entry, quantile);
+    const double pj = nominal_energy_pj(*run, metric.block);
     out.push_back(metric.inverse ? nominal / pj : pj / nominal);
     run->restore_nominal();
   }

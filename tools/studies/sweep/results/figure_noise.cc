@@ -51,7 +51,7 @@ std::string statistics_path(const std::string& name) { return "totals.replicates
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()) {
   for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
-  const std::string name = is_total(figure.name) ? metric_name(figure.name) : std::string();
+  const std::string name = is_totals_path(figure.name) ? metric_name(figure.name) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
   const std::string at = statistics_path(name);
@@ -73,13 +73,13 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
       means_.values[row] = mean.values[row];
     }
     if (measured_) {
-      range([](const SeenFigure& seen) { return static_cast<double>(seen.draws->count); });
+      range([](const MeasuredFigure& seen) { return static_cast<double>(seen.draws->count); });
       return;
     }
   }
   const std::vector<double> assumed = assumed_noise(results, rows, name);
   for (const std::size_t row : rows) seen_[row].assumed = assumed[row];
-  range([](const SeenFigure& seen) { return seen.assumed; });
+  range([](const MeasuredFigure& seen) { return seen.assumed; });
 }
 
 double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool more_is_better) const {

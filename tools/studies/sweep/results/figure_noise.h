@@ -40,8 +40,8 @@ class FigureNoise {
  private:
   bool noisy_ = false, measured_ = false;
   Column means_;
-  std::vector<SeenFigure> seen_;  ///< figure with its noise, by row
-  double least_ = 0, most_ = 0;   ///< range of the assumed noise, or of the number of replicates
+  std::vector<MeasuredFigure> seen_;  ///< figure with its noise, by row
+  double least_ = 0, most_ = 0;       ///< range of the assumed noise, or of the number of replicates
 };
 
 /// Returns "± 0.52 %", half of the 95 % interval of the value of a point.

@@ -236,7 +236,7 @@ Column Results::read_from_reports(std::string_view text) const {
 
 Column column_of_means(const Results& results, const std::string& path) {
   Column figure = results.column(path);
-  if (!is_total(figure.name)) return figure;
+  if (!is_totals_path(figure.name)) return figure;
   const std::string mean = fmt::format("totals.replicates.figures.{}.mean", metric_name(figure.name));
   if (!results.has_metric(mean)) return figure;
   const Column means = results.column(mean);
@@ -363,7 +363,7 @@ int exponent_of(double number) {
 
 /// Returns a number as text without a metric prefix. Counts below 10,000 are written in full.
 std::string plain_text(double number, bool is_count) {
-  return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digits(number);
+  return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digit_text(number);
 }
 
 /// The metric prefix that the numbers of a column share: that of the largest, if it has more than four digits.
@@ -377,7 +377,7 @@ class SharedPrefix {
     const int group = std::min(largest_ / 3, 5);
     if (number == 0 || exponent_of(number) < 3 * group - 1)
       return plain_text(number, is_count);  // too small for the prefix
-    return fmt::format("{} {}", sim::four_digits(number / std::pow(10.0, 3 * group)), kPrefixes[group]);
+    return fmt::format("{} {}", sim::four_digit_text(number / std::pow(10.0, 3 * group)), kPrefixes[group]);
   }
 
  private:
@@ -417,7 +417,7 @@ std::vector<std::string> shown_cells(const std::vector<Value>& values) { return 
 std::vector<std::string> shown_cells(const Column& column, const std::vector<std::size_t>& rows) {
   std::vector<Value> values;
   for (const std::size_t row : rows) values.push_back(column.values[row]);
-  return cells_of(values, is_total(column.name));
+  return cells_of(values, is_totals_path(column.name));
 }
 
 std::string shown_name(const Column& column) { return sim::printable(metric_name(column.name)); }

@@ -278,7 +278,7 @@ void check_name(const fs::path& path) {
 
 /// Throws InputError if one of the folder's files is a link, a folder or a device. Removes stale temporary files.
 void check_files(const fs::path& path) {
-  const sim::Replaceable own{.kind = "file of the sweep", .any = true};
+  const sim::ReplaceableOutput own{.kind = "file of the sweep", .any = true};
   for (const std::string_view file : kFiles) sim::check_output(path / file, own);
   for (const std::string_view file : kResults) sim::check_output(path / file, own);
 }

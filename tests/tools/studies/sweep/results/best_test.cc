@@ -37,7 +37,7 @@ TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
 
 /// Returns the report of a run of 1024x512 pixels with three replicates.
 nlohmann::ordered_json replicated_report(double mean, double deviation) {
-  nlohmann::ordered_json report = made_report(mean);
+  nlohmann::ordered_json report = minimal_report(mean);
   report["resolution"] = {1024, 512};
   if (deviation == 0) return report;
   report["totals"]["replicates"] = {{"count", 3},
@@ -143,7 +143,7 @@ TEST(Best, CommandLineTakesOneFigure) {
   expect_refusal(raywatt({"sweep", "best", folder, "--max", "cycles", "--min", "fps"}), {"--max", "--min"});
   expect_refusal(raywatt({"sweep", "best", folder, "--max", "cycles", "--where", "cycles<1"}), {"no point"});
   expect_refusal(raywatt({"sweep", "best", folder, "--max", "low_w"}), {"low_w"});
-  const Ending ending = raywatt({"sweep", "best", folder, "--min", "cycles", "--where", "n>1"});
+  const ProcessResult ending = raywatt({"sweep", "best", folder, "--min", "cycles", "--where", "n>1"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "point 2\n");
 }

@@ -77,7 +77,7 @@ TEST(Collect, AResultWinsOverAnEarlierFailure) {
 }
 
 TEST(Collect, AReportCutAnywhereIsDamaged) {
-  const std::string whole = made_report(1000).dump(2);
+  const std::string whole = minimal_report(1000).dump(2);
   for (std::size_t eighths = 0; eighths < 8; ++eighths) {
     Three sweep;
     sweep.damage(0, whole.substr(0, whole.size() * eighths / 8));
@@ -87,7 +87,7 @@ TEST(Collect, AReportCutAnywhereIsDamaged) {
 }
 
 TEST(Collect, WhatIsNoFinishedReportIsDamaged) {
-  nlohmann::ordered_json partial = made_report(1000), other = partial, empty = partial;
+  nlohmann::ordered_json partial = minimal_report(1000), other = partial, empty = partial;
   partial["partial"] = true;
   other["schema"] = "another";
   empty["totals"] = nlohmann::ordered_json::object();
@@ -156,7 +156,7 @@ TEST(Collect, TheTableHoldsEveryPlainFigureOfTheTotalsAndNothingOfTheHost) {
 
 TEST(Collect, TheTableHasItsFiguresInOrderAndQuantitiesAsNumbersToo) {
   MadeSweep sweep;
-  nlohmann::ordered_json report = made_report(1);
+  nlohmann::ordered_json report = minimal_report(1);
   report["totals"]["a_last_one"] = 2;
   sweep.finish(sweep.add({{"size", "8 KiB"}, {"cores", "2"}, {"clock", "500 MHz"}}), report);
   sweep.finish(sweep.add({{"size", "none"}, {"cores", "4"}, {"clock", "1 GHz"}}), report);
@@ -224,7 +224,7 @@ TEST(Collect, ADamagedIndexIsMadeAnew) {
   const std::string sound = read_bytes(index);
   for (const std::size_t size : {std::size_t{0}, std::size_t{50}, sound.size() / 2}) {
     fs::resize_file(index, size);
-    const Ending ending = raywatt({"sweep", "table", sweep.folder().string()});
+    const ProcessResult ending = raywatt({"sweep", "table", sweep.folder().string()});
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_EQ(read_bytes(index).size(), sound.size());
   }
@@ -263,10 +263,10 @@ TEST(Collect, AFullDiskLeavesWhatWasThere) {
   sweep.collect();
   const std::string csv = sweep.csv(), index = read_bytes(sweep.folder() / "index.sqlite");
   sweep.finish(1, 7);
-  Surroundings full;
+  ProcessEnvironment full;
   full.longest_file = 100;
   const Words collect = {"sweep", "collect", sweep.folder().string()};
-  const Ending ending = raywatt(collect, full);
+  const ProcessResult ending = raywatt(collect, full);
   EXPECT_EQ(ending.exit, 74) << ending.err;
   EXPECT_EQ(sweep.csv(), csv);
   EXPECT_EQ(read_bytes(sweep.folder() / "index.sqlite"), index);

@@ -19,13 +19,13 @@ using namespace tools::results;
 struct BandOfASweep : testing::Test {
   BandOfASweep() {
     const auto file = write_sweep(folder, "axes: {cores: [1, 2], tni.trv.l1.size: [8 KiB, 32 KiB]}\n");
-    const Ending ending = raywatt(sweep_run(folder, file));
+    const ProcessResult ending = raywatt(sweep_run(folder, file));
     EXPECT_EQ(ending.exit, 0) << ending.err;
   }
   std::string ask(const std::string& verb, const Words& more) const {
     Words words = {"sweep", verb, (folder.path() / "out").string()};
     words.insert(words.end(), more.begin(), more.end());
-    const Ending ending = raywatt(words);
+    const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return ending.out;
   }
@@ -42,7 +42,7 @@ TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
   ASSERT_EQ(mj.rows.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     tools::PricedRun run(tools::load_report(results.folder_of(results.rows()[mj.rows[i]])));
-    const std::vector<double> pj = tools::drawn_pj(run, "");
+    const std::vector<double> pj = tools::energy_by_draw_pj(run, "");
     for (std::size_t d = 0; d < pj.size(); d += 97) {
       EXPECT_NEAR(mj.drawn[i][d] / (pj[d] * 1e-9), 1, 1e-12);
       EXPECT_NEAR(per_joule.drawn[i][d] * mj.drawn[i][d] / 1000, 1, 1e-12);

@@ -22,7 +22,7 @@ OrderedJson core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}
 
 }  // namespace
 
-OrderedJson made_report(double cycles) {
+OrderedJson minimal_report(double cycles) {
   static int made = 0;
   ++made;
   const OrderedJson totals = {{"cycles", cycles},
@@ -76,7 +76,7 @@ void MadeSweep::finish(std::size_t n, const std::string& report) const {
 
 void MadeSweep::finish(std::size_t n, const OrderedJson& report) const { finish(n, report.dump(2) + "\n"); }
 
-void MadeSweep::finish(std::size_t n, double cycles) const { finish(n, made_report(cycles)); }
+void MadeSweep::finish(std::size_t n, double cycles) const { finish(n, minimal_report(cycles)); }
 
 void MadeSweep::fail(std::size_t n, const std::string& error) const {
   store().put_failure({id(n), 3, error, "one\ntwo", "a", 2});

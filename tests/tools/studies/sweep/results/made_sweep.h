@@ -14,7 +14,7 @@
 namespace test {
 
 /// Returns a minimal report.json with a number of cycles. Host and command line differ between any two reports.
-nlohmann::ordered_json made_report(double cycles);
+nlohmann::ordered_json minimal_report(double cycles);
 
 /// A sweep folder and its result store, written without simulation.
 class MadeSweep {

@@ -21,7 +21,7 @@ using tools::results::Results;
 struct Plane : MadeSweep {
   explicit Plane(const std::vector<std::pair<double, double>>& points) {
     for (const auto& [watts, fps] : points) {
-      auto report = made_report(100);
+      auto report = minimal_report(100);
       report["totals"]["power_w"]["nominal"] = watts;
       report["totals"]["perf"]["fps"] = fps;
       finish(add({{"cores", std::to_string(lines++)}}), report);
@@ -108,7 +108,7 @@ TEST(Pareto, DrawsPointsThatAreAllAlike) {
 struct NoisyPlane : MadeSweep {
   NoisyPlane(const std::vector<std::pair<double, double>>& points, double deviation) {
     for (const auto& [mm2, fps] : points) {
-      auto report = made_report(100);
+      auto report = minimal_report(100);
       report["resolution"] = {1024, 512};
       report["totals"]["area_mm2"] = mm2;
       report["totals"]["perf"]["fps"] = fps;

@@ -144,7 +144,7 @@ struct NoisyGrid : MadeSweep {
     for (std::size_t s = 0; s < 6; ++s) {
       for (std::size_t c = 0; c < 4; ++c) {
         const double mean = 1000 + 100.0 * static_cast<double>(c) + of_noise * draw(s, c);
-        auto report = made_report(mean);
+        auto report = minimal_report(mean);
         report["totals"]["replicates"] = {{"count", 4},
                                           {"figures", {{"cycles", {{"mean", mean}, {"deviation", deviation}}}}}};
         finish(add({{"size", std::to_string(s)}, {"cores", std::to_string(c)}}), report);

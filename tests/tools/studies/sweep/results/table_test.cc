@@ -49,7 +49,7 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
 TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
   const FourRows sweep;
   for (std::size_t point = 0; point < 3; ++point) {
-    auto report = made_report(1000);
+    auto report = minimal_report(1000);
     report["totals"]["replicates"] = {
         {"count", 5}, {"figures", {{"cycles", {{"mean", 1010}, {"deviation", 10}, {"low", 998}, {"high", 1022}}}}}};
     sweep.finish(point, report);
@@ -67,7 +67,7 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
 Words shown_fps(const std::array<double, 3>& values) {
   const FourRows sweep;
   for (std::size_t point = 0; point < values.size(); ++point) {
-    auto report = made_report(1000);
+    auto report = minimal_report(1000);
     report["totals"]["perf"]["fps"] = values[point];
     sweep.finish(point, report);
   }
@@ -83,7 +83,7 @@ TEST(ResultsTable, ShowsAtMostFourDigitsInTheUnitOfTheLargest) {
 TEST(ResultsTable, ShowsCountsInFourDigitsTooButNoSettings) {
   MadeSweep sweep;
   for (const int cycles : {771200, 99000, 1010}) {
-    auto report = made_report(1000);
+    auto report = minimal_report(1000);
     report["totals"]["cycles"] = cycles;
     sweep.finish(sweep.add({{"triangles", std::to_string(cycles)}}), report);
   }
@@ -95,7 +95,7 @@ TEST(ResultsTable, ShowsCountsInFourDigitsTooButNoSettings) {
 TEST(ResultsTable, ShowsWholeMeansInFourDigits) {
   const FourRows sweep;
   for (std::size_t point = 0; point < 3; ++point) {
-    auto report = made_report(1000);
+    auto report = minimal_report(1000);
     const double mean = 98765 + 10 * static_cast<double>(point);
     report["totals"]["replicates"] = {{"count", 5}, {"figures", {{"cycles", {{"mean", mean}, {"deviation", 10}}}}}};
     sweep.finish(point, report);
@@ -108,7 +108,7 @@ struct PlaysInAnotherOrder : FourRows {
   PlaysInAnotherOrder() {
     const double means[] = {1500, 3500, 2500};
     for (std::size_t point = 0; point < 3; ++point) {
-      auto report = made_report(1000 * (3 - static_cast<double>(point)));
+      auto report = minimal_report(1000 * (3 - static_cast<double>(point)));
       report["totals"]["replicates"] = {{"count", 3},
                                         {"figures", {{"cycles", {{"mean", means[point]}, {"deviation", 10}}}}}};
       finish(point, report);
@@ -139,7 +139,7 @@ TEST(ResultsTable, CallsAFigureAsAllVerbsDo) {
 
 TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
   const FourRows sweep;
-  auto report = made_report(3000);
+  auto report = minimal_report(3000);
   report["totals"]["perf"]["fps"] = 12345.67;
   sweep.finish(0, report);
   EXPECT_SAYS(results_table(sweep.results(), {}), "  12.35 k  ");
@@ -150,7 +150,7 @@ TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
 
 TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
   const FourRows sweep;
-  auto report = made_report(3000);
+  auto report = minimal_report(3000);
   report["totals"]["extrapolated"] = 0;
   sweep.finish(0, report);
   EXPECT_EQ(results_table(sweep.results(), {}).find("extrapolated"), std::string::npos);
@@ -222,7 +222,7 @@ TEST(ResultsTable, CsvHasAllDigitsAndQuotesWhatNeedsThem) {
 
 TEST(ResultsTable, NothingOfAReportReachesTheTerminalAsItIs) {
   MadeSweep sweep;
-  auto report = made_report(1);
+  auto report = minimal_report(1);
   report["totals"]["limiter"] = "\x1b[2J";
   sweep.finish(sweep.add({{"a\x1b", "b\x1b"}}), report);
   const std::string text = results_table(sweep.results(), {{"limiter", "a\x1b"}, "", {}, {}, false});
@@ -245,7 +245,7 @@ TEST(ResultsTable, IsOfWhatWasLastCollectedWhereNothingCanBeWritten) {
   sweep.finish(3, 4000);
   std::filesystem::remove(sweep.folder() / "results.csv");
   std::filesystem::create_directory(sweep.folder() / "results.csv");  // blocks the output file
-  const Ending ending = raywatt(table);
+  const ProcessResult ending = raywatt(table);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out, before);
   EXPECT_SAYS(ending.err, "last collected");
