@@ -32,7 +32,7 @@ class ScheduledCommand {
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
-  /// Bit field of a number that encodes a command: `bits` bits, the lowest of which is bit `first`.
+  /// Bit field of a number that encodes a command: `bits` bits from bit `first` upwards.
   struct BitField {
     std::uint32_t first, bits;
     constexpr std::uint64_t extract_from(std::uint64_t key) const {

@@ -50,7 +50,7 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Returns the number of slots, some of which are unused: the ways of a set are rounded up to a multiple of four.
+  /// Returns the number of slots, including unused ones: the ways of a set are rounded up to a multiple of four.
   std::size_t slot_count() const { return sets_.size() / 2; }
 
   /// True if the line is cached. A hit marks the line as recently used.
