@@ -56,7 +56,7 @@ using Colour = std::array<std::uint8_t, 3>;
 using kernels::SampleMark;
 
 constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
-constexpr int kDarkened = 4;  // factor by which the picture under the marks is darkened
+constexpr int kDarkened = 4;  // divisor that darkens a debug picture under its marked samples
 
 struct Canvas {
   const RenderResult& frame;
@@ -82,7 +82,7 @@ struct Canvas {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
-  /// Returns the darkened picture with those samples in white whose mark has `bit`.
+  /// Returns the frame's picture, darkened, with those samples in white whose sample mark has `bit`.
   DebugPicture marked_picture(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {

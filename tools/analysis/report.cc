@@ -120,8 +120,8 @@ Json named_counts(const auto& names, const auto& counts) {
   return out;
 }
 
-/// Returns totals.sampling of a report: counts of traced and wanted samples, reasons for tracing, and the shares of
-/// cycles spent on checks, interpolation and correction.
+/// Returns totals.sampling of a report: counts of samples at the full rate and of traced samples, reasons for tracing,
+/// and the shares of cycles spent on checks, interpolation and correction.
 Json sampling_json(const FrameResult& run) {
   const kernels::Sampling& s = run.rendered.sampling;
   Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
@@ -348,7 +348,7 @@ Json rays_json(const FrameResult& run) {
           {"continued", run.rendered.continued}};
 }
 
-/// Returns DRAM bytes of both directions by purpose: cache lines, picture, spilled ray slots, samples and rates.
+/// Returns the DRAM bytes read and written, by purpose: cache lines, picture, spilled ray slots, samples and rates.
 Json dram_clients_json(const FrameResult& run) {
   constexpr std::uint64_t kLine = 64;
   using Dma = hw::Dma::Stats;
@@ -379,7 +379,7 @@ Json interval_json(const Interval& i, double scale = 1) {
 void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(run);  // exact; the conversion from cycles would round it
+  time["estimate"] = time_ms(run);  // time_ms() is exact; the conversion from cycles would round the time
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);

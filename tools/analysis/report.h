@@ -31,7 +31,7 @@ struct ReportInput {
   const JobOptions& options;
   const ComparedResult& result;
   const sim::Json& frames;  ///< report of each frame
-  bool partial = false;     ///< true if interrupted before the last frame
+  bool partial = false;     ///< true if the run was interrupted before the last frame
   double wall_seconds = 0;  ///< host time of the whole job
 };
 
@@ -47,7 +47,8 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns, row by row, the share of each tile's checked samples that were similar, and the side of its sample blocks.
+/// Returns for each tile, row by row, the share of its checked samples that were similar, and the side in samples of
+/// its sample blocks.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
 /// Time, rays and frames of a run, by which efficiency figures divide its energy.
@@ -76,7 +77,7 @@ std::optional<double> starved_share(const FrameResult& run);
 /// Returns the simulated time of a run in milliseconds.
 double time_ms(const FrameResult& run);
 
-/// Returns mean, deviation and 95 % interval of a metric from its values in all simulations.
+/// Returns mean, deviation and 95 % interval of a metric from its values in all replicates of a run.
 sim::Json statistics_json(const std::vector<double>& values);
 /// Formats the statistics of replicates as one line; replicates_table() formats the main metrics as a table.
 std::string replicates_text(const sim::Json& replicates);
@@ -86,7 +87,7 @@ std::string replicates_table(const sim::Json& replicates);
 struct NoisyDifference {
   double relative = 0;    ///< (b - a) / a of the two values, or of the means over replicates
   double half_width = 0;  ///< half-width of the 95 % interval of `relative`
-  bool measured = false;  ///< true if both have replicates
+  bool measured = false;  ///< true if both reports have replicates
   bool outside = false;   ///< true if the difference is larger than noise explains
 };
 /// Returns the difference of a metric between two reports; nullopt for metrics that have no noise or are 0.

@@ -214,8 +214,8 @@ struct PathCandidates {
   std::vector<std::string> group, several;
 };
 
-/// Returns ", did you mean 'x'?" for a mistyped path. Candidates are the ends of paths that start with `start`; a band
-/// also counts under its own name.
+/// Returns ", did you mean 'x'?" for a mistyped report path: the most similar end of a path that starts with `start`.
+/// Bands (low, nominal, high) can also be suggested by name.
 std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;

@@ -69,8 +69,8 @@ std::string metric_name(std::string_view path);
 /// group or unknown.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 
-/// Returns all paths that `text` denotes: one path, or all paths of a group; "units" denotes unit_sums(). Empty if
-/// nothing matches; throws InputError if ambiguous.
+/// Returns all report paths that `text` denotes: one path, or all paths of a group; "units" denotes the sums of
+/// unit_sums(). Returns none if nothing matches; throws InputError if `text` is ambiguous.
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths);
 
 }  // namespace tools

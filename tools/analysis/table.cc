@@ -42,7 +42,7 @@ std::string samples_text(const Json& totals) {
 
 /// Formats the most frequent reasons for tracing samples, as shares of all traced samples.
 std::string tracing_reasons(const Json& s) {
-  constexpr std::uint64_t kOfSubpixel = 4;  // samples per sub-pixel
+  constexpr std::uint64_t kOfSubpixel = 4;  // traced samples per active sub-pixel
   std::vector<std::pair<std::uint64_t, std::string>> reasons;
   const std::uint64_t traced = s["traced"].get<std::uint64_t>();
   std::uint64_t explained = 0;

@@ -76,13 +76,13 @@ MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::Gp
   return b;
 }
 
-/// Splits the mean latency of a cache miss by memory level; all times in ns. `crossing`: its part for lookup and clock
-/// crossings; `line_wait`: its part in queues for the wires from L2 to core.
+/// Splits the mean latency of a cache miss by memory level; all times in ns. `crossing`: time for lookups and clock
+/// crossings; `line_wait`: time in queues for the wires from L2 to core. Both are parts of `latency`.
 MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing, double line_wait) {
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
   const double interconnect = latency - dram - l2;
-  // time in queues on the way from L2 to core
+  // time in queues between core and L2, except those for the wires from L2 to core
   const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);
   const double wires = std::min(interconnect - queues, b.wires - b.ideal_wires + line_wait);
   return {.interconnect = interconnect / latency,
@@ -118,7 +118,7 @@ double mean_misses_in_flight(const Units<Unit>& units) {
   return safe_ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
-/// Returns the mean number of rays that wait for a line; several may wait for the same line.
+/// Returns the mean number of rays that wait for a cache line; several may wait for the same line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
   return mean_misses_in_flight(units) *
@@ -450,7 +450,7 @@ struct Least {
 };
 Least lower_time_bounds(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
-          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: half of the free MSHRs could be used, too
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: misses could use half of the free MSHRs, too
           .wires = d.port_lines / kPortAtBest,
           .tests = d.tests / kTestsAtBest};
 }

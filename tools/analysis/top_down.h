@@ -18,7 +18,7 @@ struct MissLevels {
   double interconnect = 0;  ///< share of the ports and wires, and of queues before them
   double l2 = 0;            ///< share of queues and lookups in the L2
   double dram = 0;          ///< share of the time from an L2 miss to its fill: controller, device and fabric
-  // Parts of `interconnect` and `l2`:
+  // Parts of `interconnect` and `l2` above:
   /// Part of `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
   double wires = 0;
   double blocked_request = 0;  ///< part of `interconnect`: queues in front of an L2 that waits for memory
@@ -29,7 +29,8 @@ struct MissLevels {
 
 /// Shares of a core's elapsed time by cause, as seen by its shader core. Each cycle has exactly one cause.
 ///
-///   array busy: kernels | switches | banks          array stalled: data_misses
+///   array busy: kernels | switches (from kernel to kernel) | banks (conflicts in the tile buffer)
+///   array stalled: data_misses (of the shader core's data cache)
 ///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
 ///   array idle, no rays, rasteriser active: raster | raster_misses
 ///   array idle otherwise: transfers (waiting for the DMA, borders of other tiles, or the order of tiles) | no_tile
@@ -78,13 +79,13 @@ struct TopDown {
   std::vector<CoreTime> cores;
   CoreTime gpu;
 };
-/// Returns the share of time with data on the channels' buses.
+/// Returns the share of time in which the data buses of the DRAM channels transfer data.
 double data_bus_share(std::span<const sim::UnitReport> units);
 
 TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
 sim::Json time_json(const CoreTime& time);
-/// Returns the times by cause as JSON {gpu, cores[]}; each entry has the form of time_json().
+/// Returns the times of all cores by cause as JSON {gpu, cores[]}; each entry has the form of time_json().
 sim::Json top_down_json(const TopDown& view);
 /// Returns the description of a path in time_json(): "tree misses: DRAM" for "tree_misses.dram".
 std::string describe_time_part(const std::string& path);
@@ -101,7 +102,7 @@ struct GrownPart {
   std::string name;   ///< name of the part of a core's time, as in top_down_text()
   double cycles = 0;  ///< growth of this part in cycles, mean over the cores
 };
-/// Returns the part of a core's time whose cycles grew most from `before` to `after`; empty if none grew.
+/// Returns the part of a core's time that grew most, in cycles, from run `before` to run `after`; empty if none grew.
 GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after);
 
 /// Utilisation of the main parts of the machine, as shares of time from 0 to 1.

@@ -53,7 +53,7 @@ class Units {
   std::uint64_t elapsed() const {
     return sum([](const sim::UnitReport& unit) { return unit.elapsed; });
   }
-  /// Returns the cycles charged to a cycle reason, summed over the units.
+  /// Returns the cycles that all units together spent for one cycle reason, e.g. waiting for a miss.
   std::uint64_t spent(CycleReason reason) const {
     return sum(
         [&](const sim::UnitReport& unit) { return unit.cycles_by_reason.at(static_cast<std::size_t>(reason)).second; });
@@ -67,7 +67,7 @@ class Units {
       return found->value;
     });
   }
-  /// Returns the share of the units' time that is charged to a cycle reason.
+  /// Returns the share of the units' total time that was spent for one cycle reason, 0 to 1.
   double share(CycleReason reason) const {
     return elapsed() == 0 ? 0 : static_cast<double>(spent(reason)) / static_cast<double>(elapsed());
   }

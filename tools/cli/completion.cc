@@ -88,7 +88,7 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
 
 /// The configuration keys that --set accepts, for completion scripts.
 struct SetKeys {
-  /// All keys in order of declaration; `of_energy`: keys that affect only energy.
+  /// All configuration keys in order of declaration; `of_energy`: keys that affect only energy.
   std::vector<std::string> every, of_energy;
   /// Allowed values of each configuration key: words, or names of files.
   std::vector<std::pair<std::string, std::vector<std::string>>> values;
@@ -158,7 +158,7 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Returns which list of keys a verb's --set accepts, as the name of a member of SetKeys.
+/// Returns which keys a verb's --set accepts, as the name of a member of SetKeys.
 const char* set_key_list(const DeclaredVerb& verb) {
   return join_words(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
@@ -166,8 +166,8 @@ const char* set_key_list(const DeclaredVerb& verb) {
 bool is_set_option(const DeclaredOption& option) { return option.names.front() == "--set"; }
 
 /// Calls f(patterns, variable, values) for each option of a verb that takes a value. `variable`: shell variable for the
-/// completions: "choices" if only `values` are allowed, "names" if files are also allowed, "keys" for a list of keys,
-/// "next" for files only.
+/// completions: "choices" if only `values` are allowed, "names" if files are also allowed, "keys" for configuration
+/// keys, "next" for files only.
 template <class F>
 void for_each_option_value(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {

@@ -28,7 +28,8 @@ void add_frames_option(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
-/// Prints a warning to stderr for each value outside the ranges of the tables that a configuration uses.
+/// Prints a warning to stderr for each size, clock or voltage of a configuration that is outside the ranges of its
+/// energy, area and latency tables.
 void print_table_warnings(const JobOptions& options);
 
 /// Adds the options that choose how the points of a sweep or a search are launched.

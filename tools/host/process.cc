@@ -34,8 +34,8 @@ void write_words(std::string_view words) {
 
 extern "C" void on_interrupt(int signal) {
   const bool second = waiting.exchange(signal) != 0;
-  // Writes `waiting` before reading `held`; ~HoldInterrupts() writes `held` before reading `waiting`. So at least one
-  // of the two sees the other's write.
+  // This handler writes `waiting` before it reads `held`; ~HoldInterrupts() writes `held` before it reads `waiting`. So
+  // at least one of the two sees the other's write.
   if (held == 0 || second) end_process(signal, "raywatt: interrupted\n");
 }
 

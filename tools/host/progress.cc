@@ -62,7 +62,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::finished_share() const {
-  // finished share of the current part; 0 once it is complete, because `part` then counts it
+  // share of the current part that is finished; 0 once the part is complete, because `part` then counts it
   const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;
   return (part + of_part) / parts;
 }
@@ -197,7 +197,7 @@ void Progress::run_display() {
     try {
       draw_progress();
     } catch (const std::bad_alloc&) {
-      // Ignored: the work continues without this line.
+      // A failed update of the display is ignored: the job continues without it.
     }
   }
 }

@@ -12,7 +12,7 @@
 
 namespace tools {
 
-/// A picture for a terminal: 8 bits a channel, row by row; empty while there is none.
+/// A picture for a terminal: 8 bits per channel, row by row; empty if there is no picture yet.
 struct SmallPicture {
   std::size_t width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
@@ -38,7 +38,7 @@ std::string draw_half_blocks(const SmallPicture& picture);
 /// State of a job's progress, as displayed.
 struct ProgressState {
   std::string phase = "loading";       ///< current activity: "loading", "building the tree", "simulating", ...
-  std::string label;                   ///< name of the current part, if parts have names
+  std::string label;                   ///< label of the job's current part, if its parts have labels
   std::uint32_t frame = 0;             ///< number of the current frame
   std::uint32_t part = 0, parts = 1;   ///< finished and total parts; a part is one frame of one frame program
   std::uint32_t tile = 0, tiles = 0;   ///< finished and total tiles of the current part
@@ -75,7 +75,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Sets the job's current activity, for one that traces no rays, and ends the current part.
+  /// Displays an activity that traces no rays, such as loading, and ends the current part of the job.
   void set_phase(const std::string& what);
   /// Sets the number of parts of the job. A later call starts a new count.
   void expect_parts(std::uint32_t parts, const std::string& label = {});
@@ -84,9 +84,9 @@ class Progress {
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
   /// Sets the finished tiles, rays and cycles of the current part; the last tile ends the part.
   void set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
-  /// Prints a line to stderr above the bar.
+  /// Prints a line to stderr above the progress bar.
   void print_line(const std::string& line);
-  /// True if print_hint() prints its line: unless progress is quiet, "json" or "none".
+  /// True if print_hint() prints: progress is not quiet, and its form is neither "json" nor "none".
   bool shows_hints() const { return hints_; }
   void print_hint(const std::string& line) {
     if (hints_) print_line(line);

@@ -38,7 +38,7 @@ constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< l
 constexpr int kLevel = -20;
 constexpr std::uint64_t kMostNamesBytes = 1U << 26, kLongestVarint = 10;
 
-/// Writes a number in variable-length encoding and returns the end of it; the caller has reserved the space.
+/// Writes a number in variable-length encoding and returns the address after it; the caller has reserved the space.
 char* write_number(char* at, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) *at++ = static_cast<char>(value | 0x80U);
   *at++ = static_cast<char>(value);

@@ -19,7 +19,7 @@ namespace tools {
 
 inline constexpr const char* kIntervalFile = "intervals.bin.zst";
 
-/// Names of the values of a unit in an interval, in order: cycles by reason, then counters.
+/// Names of the values that a unit has in each interval, in order: its cycle reasons, then its counters.
 struct IntervalUnit {
   struct Counter {
     std::string name;

@@ -21,8 +21,8 @@ struct EnergyMetric {
   bool inverse = false;  ///< true: the figure is divided by energy, like frames per joule
   bool is_better(double a, double b) const { return inverse ? a > b : a < b; }
 };
-/// Returns how the figure at a report path depends on energy: for "totals.energy_mj.nominal", other energies and
-/// powers, and figures of totals.perf that contain joules. Returns nullopt for other paths.
+/// Returns how the figure at a report path depends on energy. Accepts totals.energy_mj.nominal, other energies and
+/// powers, and figures of totals.perf that contain joules; returns nullopt for other paths.
 std::optional<EnergyMetric> energy_metric(std::string_view path);
 /// List of the figures that energy_metric() accepts, for error messages.
 inline constexpr std::string_view kEnergyMetrics =

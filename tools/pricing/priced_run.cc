@@ -100,7 +100,8 @@ constexpr std::uint64_t kMostTableBytes = 4 << 20;
 /// Relative tolerance between reported and recomputed energy, because their sums are rounded differently.
 constexpr double kSumRounding = 1e-9;
 
-/// Throws InputError unless a file given as energy table is a whole one, with energy keys only.
+/// Throws InputError unless the file given with --energy is an energy table: its top-level keys are those of the group
+/// `energy`.
 void check_kind(const std::filesystem::path& file) {
   const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
   const auto refuse = [&](const std::string& what) {

@@ -5,7 +5,7 @@
 namespace tools {
 
 /// Evaluates the frames of a finished run at the target rate `fps`, with the run's own energy table. Throws InputError
-/// if the report cannot be priced (PricedRun).
+/// if PricedRun cannot compute the energy of the run.
 FrameRate evaluate_report_rate(const ReportFile& report, double fps);
 
 /// Sets at_fps, power_at_fps_w and fps_margin in a report's totals to the values of a run with frame.fps = `fps`.

@@ -53,7 +53,7 @@ struct RunResult {
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
-  std::string missing;  ///< what an interrupt left out: "its replicates"
+  std::string missing;  ///< what an interrupt left out, for a message: "its replicates"
   TileTable tiles;      ///< costs of each tile, for frames simulated with RunOptions::itemised
 
   /// Adds the result of a frame and of its reference frame, if any. `error`: mean squared difference of the two

@@ -108,8 +108,8 @@ RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kern
 
 namespace {
 
-// Latencies of a tile alone on the machine: start of a chunk, transfer of a ray to the T&I unit and back, and a step of
-// the longest ray with cache hits.
+// Latencies in T&I cycles of a tile that is alone on the machine: start of a chunk, transfer of a ray to the T&I unit
+// and back, and a step of the longest ray with cache hits.
 constexpr double kLaunchCycles = 10, kRayCycles = 20, kStepCycles = 12;
 
 /// Reads a line from a cache and fills it after a miss. Returns true for a hit.

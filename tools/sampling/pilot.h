@@ -61,7 +61,7 @@ RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kern
 
 inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
-/// Predicts the traits of tiles from thin tiles, with one of every `thinning` samples, in frame order. Caches are
+/// Predicts the traits of tiles, in frame order, from thinned tiles with one of every `thinning` samples. Caches are
 /// modelled as tags that fill at once. Tiles are assigned to cores, and rays to traversal units, round robin.
 class TilePilot {
  public:

@@ -87,7 +87,7 @@ class SliceProgram final : public kernels::FrameProgram {
 /// Simulates slices of a frame, each on a machine of its own.
 class SliceSimulator {
  public:
-  /// `frame`: program of the frame. `inputs` must outlive the player.
+  /// `frame`: program of the frame. `inputs` must outlive this object.
   SliceSimulator(const Inputs& inputs, const kernels::FrameProgram& frame)
       : inputs_(inputs),
         requirements_(frame.requirements()),
@@ -251,7 +251,7 @@ void scale_counts(MachineSpan& all, double factor) {
 }
 
 /// Adds times and counters of all slices to the first slice. Returns the half-widths of the errors of time and energy,
-/// combined over all borders.
+/// combined over all borders between slices.
 Probe sum_slice_spans(std::vector<SliceResult>& played, std::uint32_t probe) {
   Probe error;
   const auto add_error = [probe](double& sum, double filled, double under_way) {

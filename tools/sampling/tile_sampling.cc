@@ -193,8 +193,8 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
   return {values.data(), static_cast<Index>(values.size())};
 }
 
-/// Traits per size of the sampled parts and of the whole, standardised over the parts. Traits that are equal in all
-/// parts become 0.
+/// Traits of the sampled parts and of the whole frame, divided by their sizes and standardised over the parts. Traits
+/// that are equal in all parts become 0.
 struct Traits {
   Eigen::MatrixXd parts;  ///< one row per part
   Eigen::VectorXd whole;
@@ -357,7 +357,7 @@ void add_round_counts(const SampledRun& run, SampledFrame& sampled) {
 }
 
 /// Returns the share of the frame's work to simulate in the next round if confidence intervals are `off` times too
-/// wide. It is at most twice the share `spent` so far, because `off` is a rough estimate.
+/// wide. The share is at most twice the share `spent` so far, because `off` is a rough estimate.
 double next_round_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;

@@ -89,7 +89,7 @@ namespace tools {
 /// Plan of a sampled frame: the blocks of tiles to simulate.
 struct TilePlan {
   std::vector<TimedBlock> blocks;  ///< the first block is the start of the frame, the last is its end
-  bool all = false;                ///< one block of all tiles: the frame is too small to sample
+  bool all = false;                ///< true: one block has all tiles, because the frame is too small to sample
   /// Tiles [begin, end) of the frame are estimated from the blocks within this range.
   std::uint32_t begin = 0, end = 0;
 };

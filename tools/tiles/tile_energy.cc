@@ -39,7 +39,8 @@ TileTimeShares tile_time_shares(std::span<const hw::TileAccount> tiles, sim::Tim
   std::ranges::stable_sort(events, {}, &Event::at);
   TileTimeShares shares{std::vector<double>(tiles.size()), 0};
   const auto whole = static_cast<double>(elapsed);
-  // Cumulative time of a tile that was present from the start; a tile's own time is the difference of two such values.
+  // Share of time that a tile in flight since the start of the frame would have. A tile's own share is the difference
+  // of two such values.
   double reached = 0;
   sim::Time now = 0;
   std::size_t present = 0;

@@ -246,7 +246,8 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotSelected = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns for each slice the position in the selection of the first tile during which it occurs, or kNotSelected.
+/// Returns for each timeline slice the rank (position in the selection) of the first selected tile during which the
+/// slice occurs, or kNotSelected.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
@@ -332,7 +333,8 @@ class SliceWriter {
   const TileFrame& tiles_;
 };
 
-/// Returns the indices of the selected slices by rank and time; the first ones have priority for space in the file.
+/// Returns the indices of the selected timeline slices, by rank of their tile and by time; the first ones have priority
+/// for space in the file.
 std::vector<std::size_t> order_by_rank(const std::vector<RecordedSlice>& slices,
                                        const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;

@@ -32,7 +32,7 @@ sim::EnergyReport idle_energy(const RunConfig& config, std::span<const sim::Unit
                              kMillisecond, power_scales(config));
 }
 
-/// The chip's clocks times a factor, the voltages that they need, and the resulting energy scale of each block.
+/// The chip's clocks multiplied by a factor, the voltages that they need, and the resulting energy scale of each block.
 struct ScaledClocks {
   double factor = 1;
   std::vector<double> mhz{}, volt{};

@@ -39,7 +39,7 @@ struct FinishedFrames {
   double slowest_ms = 0;  ///< time of the slowest frame
 };
 
-/// An operating point of the chip: all its clocks times a factor, each with the voltage that it needs.
+/// An operating point of the chip: all its clocks multiplied by a factor, each with the voltage that it needs.
 struct OperatingPoint {
   double factor = 1;
   std::vector<double> mhz, volt;  ///< clock and voltage of each clock domain

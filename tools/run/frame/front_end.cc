@@ -15,7 +15,7 @@
 namespace tools {
 namespace {
 
-/// Calls f for each array of variable length in a tile.
+/// Calls f for each array of variable length in a tile's recorded work and result.
 void for_each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);

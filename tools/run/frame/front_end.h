@@ -36,7 +36,8 @@ struct RenderResult {
   kernels::Sampling sampling;              ///< statistics of adaptive sampling; set together with rgb
   std::vector<kernels::SampleMark> marks;  ///< marks of the samples, if the program keeps them; set together with rgb
   kernels::TileSummaries summaries;        ///< summaries of the tiles that next() has returned, if costs are itemised
-  /// Work of each pixel by rows, if costs are itemised; empty for a program without a picture.
+  /// Work of each pixel (rays, traversal steps, tests) by rows, if costs are itemised; empty for a program without a
+  /// picture.
   std::vector<kernels::PixelWork> pixels;
   std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
   std::uint64_t continued = 0;  ///< rays that continued after passing a transparent surface
@@ -83,7 +84,8 @@ class FrontEnd final : public hw::TileSource {
     return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
   }
   const traces::TileWork* take_tile();
-  /// Returns a free slot. Its arrays are as large as any tile has needed so far, so that later tiles do not allocate.
+  /// Returns a free tile slot. Its arrays are as large as any tile has needed so far, so that later tiles do not
+  /// allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
   void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
@@ -144,7 +146,7 @@ struct ProgressBase {
 };
 
 /// Passes tiles from the front end to the machine, reports progress and records the work. After an interrupt, next()
-/// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
+/// throws Interrupted. With `keep_part` it returns no more tiles instead, and the machine finishes the dispatched ones.
 class RunTiles final : public hw::TileSource {
  public:
   /// `tiles`: number of tiles that the front end executes. `former`: sums of earlier rounds, which are added to the

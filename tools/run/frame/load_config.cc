@@ -51,7 +51,8 @@ void check_energy_figures(const RunConfig& config, const std::string& origin) {
       "{}: has no energy figures; allowed: 'extends: sgrt-2016' as its first line, then what differs", origin));
 }
 
-/// Throws InputError, with the nearest name, for an unknown scene or workload. traces/ has no list of workloads.
+/// Throws InputError, with the nearest name, for an unknown scene or workload. traces/ cannot check this, because it
+/// does not know the workloads.
 void check_scene_name(const std::string& name) {
   if (traces::is_scene_file(name) || !traces::scene_file(name).empty()) return;
   std::vector<std::string> names = workload_names();

@@ -22,7 +22,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequ
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
                                   hw::Observer* observer = nullptr);
 /// Builds a machine of another configuration for the work of `inputs`. `scheduled`: kernel schedules of a machine with
-/// the same shader cores, if any.
+/// the same shader cores; null: computed.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
                                   const hw::Perturbation& perturbation = {}, hw::Observer* observer = nullptr,
@@ -47,8 +47,8 @@ void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s
 struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
-  std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
-  /// Contents of its caches at the start; null: by frame.start of `config`.
+  std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of the shader cores; null: computed
+  /// Contents of the machine's caches at the start; null: as frame.start of `config` states.
   std::shared_ptr<const hw::CacheContents> start{};
 };
 
@@ -64,7 +64,7 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
 struct UnperturbedRun {
   const FrameResult& result;
   std::shared_ptr<const hw::ScheduledKernels> scheduled;
-  std::shared_ptr<const hw::CacheContents> start;  ///< lines in its caches before its first cycle; null: none
+  std::shared_ptr<const hw::CacheContents> start;  ///< lines in the machine's caches before its first cycle; null: none
 };
 
 /// Simulates recorded work on `count` machines that differ from `plain` only by perturbations 1 to `count`.

@@ -46,7 +46,7 @@ struct Inputs {
   float scene_size = 1;  ///< longest side of the scene's bounding box in frame 0
   traces::Camera camera;
   traces::MemoryImage image;
-  std::uint64_t stored_triangles = 0;  ///< triangles in the image; shared ones count once
+  std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
@@ -77,7 +77,7 @@ struct Interval {
   double random = 0;      ///< half-width of the random error
   double systematic = 0;  ///< half-width of the systematic error of the method
   double half_width() const { return std::hypot(random, systematic); }
-  /// Adds another interval: random errors add in quadrature, systematic errors linearly.
+  /// Adds the interval of another estimate: random errors add in quadrature, systematic errors linearly.
   void add(const Interval& other);
 };
 
@@ -143,10 +143,10 @@ kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
   bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
-  bool keep_part = false;             ///< an interrupt keeps the finished tiles, if any
+  bool keep_part = false;             ///< an interrupt keeps the finished tiles of the frame, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
-  bool reference = false;  ///< this is the reference: own part of the trace, rendered with reference_render()
+  bool reference = false;  ///< the program is the reference: own part of the trace, settings of reference_render()
   sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time; null: not recorded
   RunWatcher* watcher = nullptr;              ///< receives pictures of the frame during the simulation; null: none
   std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed

@@ -34,7 +34,7 @@ struct SustainSetup {
   sim::ThermalConfig thermal;
   /// Temperature in C at which SustainFrame::leakage_w holds, and rise in K that doubles leakage.
   double leakage_temperature = 75, leakage_doubling = 25;
-  /// Between frames: share of the leakage that remains, power of the memory.
+  /// Between frames: share of the leakage power that remains, and power of the memory in W.
   double idle_leakage = 0, idle_memory_w = 0;
   double seconds = 600, loop = 60, fps = 0;
 };

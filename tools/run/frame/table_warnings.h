@@ -12,7 +12,7 @@ namespace tools {
 /// one if tables are for different processes.
 std::vector<std::string> table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
 
-/// Returns the warnings above for all units of the configured machine, without a run.
+/// Returns the warnings of table_warnings() for all units of the configured machine, without a run.
 std::vector<std::string> table_warnings(const RunConfig& config);
 
 /// Returns a warning if the tables of energy, area, voltage and latency that `config` uses are for different processes.

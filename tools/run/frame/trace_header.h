@@ -12,12 +12,13 @@ namespace tools {
 
 /// Returns the header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
-/// Returns the JSON result of a part of a trace: outputs of the frame program that the recorded work does not contain.
+/// Returns, as JSON, counts of the frame program for a part of a trace (one frame, or its reference), such as samples
+/// traced. The recorded work does not contain them.
 traces::Json recorded_result(const RenderResult& result);
 /// Returns a frame's JSON entry in a trace. `error`: mean squared difference from the reference's picture.
 traces::Json recorded_frame(std::uint32_t number, double error);
 
-/// Parses the JSON result of a part of a trace: counts of sampling and of continued rays.
+/// Parses the counts of samples and of continued rays that recorded_result() wrote for a part of a trace.
 RenderResult parse_recorded_result(const traces::Json& json);
 
 /// Checks the header of a trace. Throws InputError, without the file's name, if a key is missing or has the wrong type.
