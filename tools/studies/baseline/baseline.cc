@@ -66,7 +66,7 @@ std::string located_text(const RunCheck& run) {
   return fmt::format("{} in {}: {}", located.is_certain() ? "most likely" : "perhaps", located.unit, located.moved);
 }
 
-/// Returns one line with the first changed configuration key and the number of others.
+/// Returns one line with the first changed configuration key and the number of other changed keys.
 std::string first_changed(const std::vector<KeyPair>& keys) {
   const std::string line = changed_keys_text(std::vector{keys.front()});
   return fmt::format("{}{}\n", line.substr(0, line.find('\n')),

@@ -45,7 +45,7 @@ struct Measured {
   Values all;          ///< all numbers of the run's report, except those of replicates
   StoredDraws draws;   ///< statistics over replicates; empty without replicates
   std::string error;   ///< reason that there is no report; empty if there is one
-  double seconds = 0;  ///< host time
+  double seconds = 0;  ///< host time of the run in seconds
 };
 
 /// Simulates a run and returns its report. After an error returns {"error": text, "is_input": whether the user can fix
@@ -181,7 +181,7 @@ std::string remove_digits(std::string path) {
   return path;
 }
 
-/// Returns the last components of a report path, as many components as `text` has.
+/// Returns the end of a report path with as many components as `text` has.
 std::string end_of_same_depth(const std::string& path, std::string_view text) {
   std::size_t begin = path.size();
   for (auto parts = std::ranges::count(text, '.') + 1; parts > 0 && begin != std::string::npos; --parts) {
@@ -310,8 +310,8 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
 }
 
 /// Returns the reasons that new values cannot be compared with stored ones, such as another scene or program. `was`,
-/// `is`: inputs of both; `embree`: version that built the stored tree. Adds changed keys that do not prevent a
-/// comparison to `keys`.
+/// `is`: inputs of the stored and the new run; `embree`: version that built the stored tree. Adds changed keys that do
+/// not prevent a comparison to `keys`.
 std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
                                        ChangedKeys& keys) {
   std::vector<std::string> out;
@@ -668,7 +668,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
     return std::nullopt;  // the suite does not keep counters of units
   const std::vector<Move> moves = reason_time_changes(was, is);
   const std::vector<Own> owns = work_changes(moves);
-  constexpr double kNoticeable = 0.1;  // minimum share of the largest other change; chosen by hand
+  constexpr double kNoticeable = 0.1;  // smallest change that counts, relative to the largest other; chosen by hand
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
   for (const Own& own : owns) all += std::abs(own.difference);

@@ -37,7 +37,7 @@ Suite load_suite(const std::filesystem::path& file);
 /// Inputs of a run, which must be equal for its values to be comparable.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
-  FlatConfig config;  ///< without the scene name, because files can be moved
+  FlatConfig config;  ///< configuration by key, without the scene's name, because files can be moved
 };
 
 /// Numbers of a run's report, by report path. Numbers that are 0 are left out.

@@ -112,7 +112,7 @@ class RoundRunner {
     add("steps_per_s", steps / all.wall_seconds);
     add("ns_per_step", 1e9 * timing / steps);
     add("timing_s_per_functional_s", timing / picture);
-    // Read after whole runs and before replays, which need other memory.
+    // Peak memory is read after whole runs and before replays, which need other memory.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = record_trace(inputs_, options_, scratch_, progress_);
     replay_->go_to_first_frame();
@@ -164,7 +164,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
   print_warnings(inputs.warnings, &progress);
-  if (other != nullptr) {  // check before measuring
+  if (other != nullptr) {  // checks that the results are comparable before it measures
     all["scenes"] = Json::array({conditions_of(inputs)});
     check_comparable(all, *other, options.against, options.scenes.size() == 1);
   }
@@ -173,9 +173,10 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   return rounds.result_json();
 }
 
-/// Measures a scene in a child process, so that peak memory is that of this scene. Its main() handles exceptions.
+/// Measures a scene in a child process, so that peak memory is that of this scene. The child's main() handles
+/// exceptions.
 Json measure_in_child(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
-  constexpr int kGlanceMs = 100;  // timeout in ms, because an interrupt just before poll() does not end it
+  constexpr int kGlanceMs = 100;  // timeout of poll() in ms, because an interrupt just before poll() does not end it
   std::string text;
   int status = 0;
   {
@@ -298,7 +299,7 @@ std::vector<std::string> find_differences(const Json& a, const Json& b, const Js
   if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
   compare(a, b, "config");
   compare(a, b, "set");
-  // Builds of other commits may compute the hash from other keys.
+  // The hash is not compared between builds of different commits, which may compute it from other keys.
   if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
   return found;
 }

@@ -51,8 +51,8 @@ void check_comparable(const sim::Json& bench, const sim::Json& other, const std:
 /// Adds the member `against` to each scene of `bench` that `other` also has: the factor by which each metric is better.
 void compare_bench(sim::Json& bench, const sim::Json& other);
 
-/// Returns the results as tables for a terminal: first whole runs, then replays and sampled runs. With `against` both
-/// are repeated as factors.
+/// Returns the results as tables for a terminal: first whole runs, then replays and sampled runs. With `against`, both
+/// tables are repeated with the factors by which metrics are better.
 std::string bench_table(const sim::Json& bench);
 
 /// Returns the median of at least one value.

@@ -23,7 +23,7 @@ double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Returns how much of the time in which a T&I subunit holds rays it waits for cache lines, as a share.
+/// Returns the share of the time with rays inside a T&I subunit in which the subunit waits for cache lines.
 template <class Unit>
 double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;

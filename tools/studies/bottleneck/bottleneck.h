@@ -47,7 +47,7 @@ struct Bottleneck {
 /// assumed noise.
 struct NoisySpeedup {
   double value = 1;
-  double half_width = 0;  ///< half-width of its 95 % interval
+  double half_width = 0;  ///< half-width of the speed-up's 95 % interval
   bool outside = false;   ///< true: the speed-up differs from 1 by more than its noise
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);

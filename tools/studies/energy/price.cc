@@ -40,7 +40,7 @@ struct RepricedRun {
   std::vector<std::pair<std::string, std::string>> axes{};  ///< axis names and values of the point
   sim::Json own, repriced;                                  ///< energy_totals_json()
   std::vector<TableChange> changes;
-  std::size_t plays = 1;                  ///< number of replicates of the run; the first is priced
+  std::size_t plays = 1;                  ///< number of replicates of the run; the energy is that of the first
   std::vector<std::string> extrapolated;  ///< sizes for which the new table is extrapolated
 };
 

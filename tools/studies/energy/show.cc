@@ -108,7 +108,7 @@ class Layers {
     }
   }
 
-  /// Appends the factor of each value below `prefix` to its origin.
+  /// Appends to the origin of each value below `prefix` the factor by which a key `scale` multiplies the value.
   void add_scale(const std::string& prefix, const sim::YamlNode& factors,
                  const std::function<std::string(int)>& origin) {
     sim::BandScale keys;
@@ -268,7 +268,8 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
-/// Formats the origin of a value: a line for the file or option that sets it, then one for each factor.
+/// Formats the origin of a configuration value: a line for the file or option that sets the value, then one for each
+/// factor by which a key `scale` multiplies it.
 std::string printable_lines(const std::string& text) {
   std::string out;
   for (std::size_t begin = 0; begin <= text.size();) {
@@ -296,7 +297,7 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
   return out;
 }
 
-/// Adds all names that select an entry: each contiguous part of its path.
+/// Adds all names by which a user can select an energy table entry: each contiguous part of its path.
 void add_names(const EnergyEntry& entry, std::set<std::string>& known) {
   const std::string name = entry.name + ".";
   for (std::size_t begin = 0; begin < name.size(); begin = name.find('.', begin) + 1) {

@@ -91,8 +91,8 @@ class MemoryForms {
         l2_(config.clocks.l2.clock()),
         dram_(config.dram.timing.ck.time) {}
 
-  /// Returns the time at which the line arrives of a read that missed at `probed`. Its path is wire, port,
-  /// interconnect, bank and back. Each clock crossing is rounded up to the next edge.
+  /// Returns the time at which the cache line of a read arrives that missed in the L1 at `probed`. The read takes wire,
+  /// port, interconnect and bank, and the line returns. Each clock crossing is rounded up to the next edge.
   sim::Time line_return_time(sim::Time probed, Level level) const {
     const sim::Time at_bank = cross_clocks(probed, tni_, 1, l2_) + c_.interconnect.latency * l2_.period();
     const sim::Time answered = level == Level::kL2 ? at_bank + c_.l2.cache.hit_cycles * l2_.period()
@@ -129,7 +129,7 @@ class MemoryForms {
     return {rate * count / starts, "L1 miss registers", tni_ == l2_};
   }
   /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle.
-  /// A slot of the wire is free again when the client sees that its request was taken.
+  /// A slot of the wire is free again when the client sees that the port has taken its request.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;

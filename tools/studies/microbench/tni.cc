@@ -54,7 +54,8 @@ class TniForms {
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which a triangle test with this exit phase is known.
+  /// Returns the stage of the intersection pipeline after which the result of a triangle test is known, by its exit
+  /// phase.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:

@@ -133,7 +133,7 @@ class Sweep {
   }
   const std::vector<results::Row>& index_rows() const { return results_.rows(); }
 
-  /// Returns the full report path of a metric; empty if no point has it.
+  /// Returns the full report path of a metric; empty if no point has the metric.
   std::string resolve_metric(const std::string& name) const {
     try {
       return results::Objective(results_, name).column.name;
@@ -150,7 +150,7 @@ class Sweep {
       metric.path = objective.column.name;
       metric.more_is_better = objective.more_is_better;
     } catch (const sim::InputError&) {
-      return;  // no point has it
+      return;  // no point has this metric
     }
     for (std::size_t g = 0; g < goals().size(); ++g) {
       if (goals()[g].is_objective() && goal_paths_[g] == metric.path)
@@ -358,7 +358,7 @@ class Sweep {
               {"is_grid", found.is_grid},
               {"effects", std::move(effects)}};
     } catch (const sim::InputError&) {
-      return {};  // no point has it
+      return {};  // no point has this metric
     }
   }
   /// Returns warnings on missing results and on values extrapolated from tables.

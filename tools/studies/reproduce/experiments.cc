@@ -317,7 +317,8 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds the cases of figure 7, quality over number of samples: with the colour threshold, and with all.
+/// Adds the cases of figure 7, quality over number of samples. Samples are added by the colour test alone, or by all
+/// tests.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
@@ -389,7 +390,7 @@ ProgramSetup on_tni_alone(ProgramSetup program) {
   return program;
 }
 
-/// Adds cases that measure frame times at several resolutions, and the shares of the two passes.
+/// Adds cases that measure frame times at several resolutions, and the share of the geometry pass.
 void add_times(std::vector<Case>& cases, bool quick) {
   const View view = sponza_view(quick);
   for (const std::uint32_t pixels : {256U, 512U, 768U, 1024U}) {
@@ -546,8 +547,8 @@ class Plan {
   const bool quick_;
 };
 
-/// Compares traversal with two box testers with the unit before 2014: one box tester, one shared pipe, one record per
-/// box.
+/// Compares traversal with two box testers with that of the unit before 2014: one box tester, one pipe shared by boxes
+/// and leaves, one record per box.
 void add_two_boxes(Plan& plan, const Machine& m) {
   plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
            join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});

@@ -72,14 +72,14 @@ std::vector<Case> hybrid_cases(bool quick);
 /// Returns all papers whose experiments can be reproduced.
 const std::vector<Paper>& all_papers();
 
-/// Returns settings of lights and rendering that all experiments use. For built-in scenes
-/// traces/workloads/reproduction.yaml has the same.
+/// Returns settings of lights and rendering that all experiments use. traces/workloads/reproduction.yaml has the same
+/// settings for built-in scenes.
 Sets reproduction_settings();
 
 /// Returns settings with ideal shader cores and tile buffers. T&I units then never wait for rays.
 Sets tni_alone_settings();
 
-/// Returns the side of a picture: `pixels`, or one sixteenth of it if `quick`.
+/// Returns the side of a picture in pixels: `pixels`, or one sixteenth of it if `quick`.
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick);
 
 }  // namespace tools::reproduce

@@ -34,7 +34,7 @@ namespace {
 
 /// Results that an earlier run has left in the output folder.
 struct Former {
-  std::size_t rows = 0;       ///< number of rows; results with fewer rows do not replace them
+  std::size_t rows = 0;       ///< number of result rows; results with fewer rows do not replace them
   std::vector<Row> finished;  ///< rows of an interrupted run of the same experiments, which are reused
 };
 
@@ -292,7 +292,7 @@ using sim::Json;
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< typical: 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
-/// True if a partial earlier run has the same inputs as this run, whose rows are then valid. `head`: header of this
+/// True if a partial earlier run has the same inputs as this run, so that its rows are valid. `head`: header of this
 /// run.
 bool is_same_run(const Json& former, const Json& head) {
   for (const auto& [key, value] : head.items()) {
@@ -397,8 +397,8 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures at least one case, and continues until there are more rows than in `folder`. Then replaces the rows
-  /// there.
+  /// Measures cases until there are more result rows than in `folder`, at least one case. Then replaces the results in
+  /// `folder`, so that no earlier row is lost.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
@@ -426,7 +426,7 @@ class Job {
     next_ += 1;
   }
 
-  /// Takes the rows of a case from an earlier run. Returns false if that run has not finished the case.
+  /// Copies the rows of a case from an earlier run. Returns false if that run has not finished the case.
   bool reuse_rows(const Case& c) {
     std::vector<Row> rows;
     const std::string stand_in = stand_in_or_none(c.view);

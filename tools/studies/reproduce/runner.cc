@@ -312,7 +312,7 @@ std::uint64_t dram_bytes_of(const ProgramResult& o) {
   return Units<hw::DramChannel>(o.simulation.units).counted(&hw::DramChannel::Stats::bytes);
 }
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
-/// Returns the share of cache lines that hit at the first probe.
+/// Returns the share of cache lines read by T&I units that hit the L1 at the first probe.
 double first_hits(const ProgramResult& o) {
   const std::uint64_t lines = l1_counter(o, &hw::FetchStats::l1_hits) + l1_counter(o, &hw::FetchStats::rau_reads);
   return 1 - ratio_of(l1_counter(o, &hw::FetchStats::l1_late), lines).value_or(0);

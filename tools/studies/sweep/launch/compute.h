@@ -18,9 +18,9 @@ class PointComputer {
   PointComputer(const Store& store, std::uint32_t threads) : store_(store), threads_(threads) {}
 
   struct Order {
-    bool record = false;  ///< keep the recorded work for points that share it
+    bool record = false;  ///< keep the work that the point records, for points that share it
     bool wait = false;    ///< wait if another process computes the point
-    bool retry = false;   ///< compute it although it failed before
+    bool retry = false;   ///< compute the point although it failed before
     int attempt = 1;
   };
   /// Returns kComputed, kDone (found in the store), kFailed or kLocked. An error of the point is recorded as a Failure.
@@ -42,7 +42,8 @@ class PointComputer {
   /// Joins the slices of the whole point if all have results and no other process is joining them.
   void join_if_complete(const Point& slice, const Order& order);
   void put_failure(const Point& point, const Failure& failure) const;
-  /// Begins to record a stream; nothing if it cannot be recorded or another process records it.
+  /// Begins to record a stream: the work of a point's frames, which other points replay. Returns nothing if it cannot
+  /// be recorded or another process records it.
   std::optional<Recording> begin_recording(const std::string& stream, const Inputs& inputs, const JobOptions& options);
   /// Returns the inputs of a point; the caller may advance them to later frames. Throws IoError if the scene file has
   /// changed since the point was planned.

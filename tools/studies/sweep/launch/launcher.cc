@@ -128,8 +128,8 @@ namespace {
 
 using sim::Json;
 
-constexpr double kEndTimeout = 10;      // s: for workers to end
-constexpr int kPollPeriod = 200;        // ms: after which an interrupt is seen
+constexpr double kEndTimeout = 10;      // seconds to wait for workers to end
+constexpr int kPollPeriod = 200;        // ms between two checks for an interrupt
 constexpr int kAttempts = 2;            // attempts to compute a point whose worker was killed
 constexpr std::size_t kLogTail = 2000;  // bytes of the output of a worker that are kept
 
@@ -280,7 +280,8 @@ class LocalLauncher final : public Launcher {
       return !waiting.locked && (group == nullptr || group->state != Group::State::kRecording);
     }
 
-    /// Returns true if the point must record its stream for other points, and marks the stream as being recorded.
+    /// Returns true if the point must record the work of its frames (its stream) for other points to replay, and marks
+    /// the stream as being recorded.
     bool begin_recording(std::size_t p) {
       Group* group = group_of(p);
       if (group == nullptr || group->state != Group::State::kUnrecorded) return false;

@@ -21,7 +21,7 @@ struct BestOptions {
   std::string metric;
   bool more_is_better = true;
   std::vector<std::string> where;
-  bool band = false;  ///< also price the points under draws of the energy tables
+  bool band = false;  ///< also compute energies under random draws of the energy tables
 };
 /// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
 /// command that runs it again. `points`: of the sweep. Throws InputError if no point meets the conditions.
@@ -66,7 +66,7 @@ struct ParetoOptions {
   std::string x, y;
   std::vector<std::string> where;
   bool csv = false;
-  bool band = false;  ///< also price the points under draws of the energy tables
+  bool band = false;  ///< also compute energies under random draws of the energy tables
 };
 /// Returns the plot and the table of the front, or the front as CSV.
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);

@@ -24,10 +24,12 @@ struct BandedMetric {
   std::vector<std::size_t> rank_points() const;
 };
 
-/// Prices points of a sweep under draws of all entries of their energy tables. Entries of one name are drawn together.
+/// Computes the energies of points of a sweep under random draws of all entries of their energy tables. Entries of one
+/// name are drawn together.
 class EnergyBand {
  public:
-  /// Prices the points that `selected` selects and that have a report. Throws InputError if a point cannot be priced.
+  /// Computes the energies of the points that `selected` selects and that have a report. Throws InputError if that
+  /// fails for a point.
   EnergyBand(const Results& results, const std::vector<bool>& selected);
 
   BandedMetric price_metric(const Column& column, bool more_is_better);

@@ -136,7 +136,7 @@ std::vector<Choice> list_grid(std::span<const std::uint32_t> sizes,
   }
 }
 
-/// Draws until `count` different wanted combinations are found.
+/// Draws random combinations of axis values until `count` different ones pass the filter `is_wanted`.
 template <class Draw>
 std::vector<Choice> draw_until(std::uint64_t count, const std::function<bool(const Choice&)>& is_wanted, Draw&& draw) {
   std::vector<Choice> all;

@@ -26,10 +26,10 @@ class AnyCondition {
   std::vector<const AxisCondition*> others_;  ///< conditions without a known term
 };
 
-/// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. Throws InputError for
-/// more than a million.
-/// 1. random and sobol draw until there are `subset.count` wanted combinations.
-/// 2. latin_hypercube draws each value of an axis equally often, then drops repeated and unwanted combinations.
+/// Returns the combinations of axis values of a subset of a sweep that pass the filter, each once; a grid in order, the
+/// last axis fastest. Throws InputError for more than a million.
+/// 1. random and sobol draw until `subset.count` different combinations pass.
+/// 2. latin_hypercube draws each value of an axis equally often, then drops repeated combinations and those that fail.
 /// `sizes`: number of values of each axis.
 std::vector<Choice> choose_combinations(const Subset& subset, std::span<const std::uint32_t> sizes,
                                         const std::function<bool(const Choice&)>& is_wanted);
@@ -44,7 +44,7 @@ class Planner {
   Planner& operator=(const Planner&) = delete;
 
   std::vector<std::uint32_t> axis_sizes() const;  ///< number of values of each axis
-  /// True if no `exclude` and every `where` holds.
+  /// True if the combination meets every condition `where` of the spec and no condition `exclude`.
   bool is_wanted(const Choice& choice) const;
   /// Makes the point of a combination of axis values, with its keys and n = 0. If its values contradict each other, the
   /// point has an error.

@@ -17,7 +17,7 @@ namespace tools::sweep {
 enum class PointStatus : std::uint8_t {
   kMissing,     ///< not computed
   kLocked,      ///< another process is computing it
-  kImpossible,  ///< its values contradict each other
+  kImpossible,  ///< its axis values contradict each other
   kDamaged,     ///< its files do not match their digests
   kFailed,      ///< it could not be computed; a Failure is recorded
   kDone,        ///< its result is in the store
@@ -48,7 +48,7 @@ struct Point {
   std::string stream;  ///< key of the recorded work, shared by points that differ only in the machine; may be empty
   std::string error;   ///< reason that it cannot be computed, if its values contradict each other
 
-  /// True if the slices of this point are computed separately.
+  /// True if workers compute the slices of this point separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }
   /// Returns the number of pieces in which workers compute the point: its slices, or 1.
   std::uint32_t piece_count() const { return is_cut() ? slices : 1; }
