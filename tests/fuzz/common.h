@@ -26,7 +26,8 @@ const std::filesystem::path& folder();
 /// Writes bytes to a file `name` in folder() and returns its path.
 std::filesystem::path file_of(std::string_view bytes, const std::string& name);
 
-/// Calls `f` and ignores InputError and IoError, which refuse invalid input. Others are bugs and end the process.
+/// Calls `f` and ignores InputError and IoError, which refuse invalid input. Other exceptions are bugs and end the
+/// process.
 template <class F>
 void ignore_input_errors(F&& f) {
   try {
@@ -47,7 +48,7 @@ std::string mutated_bytes(std::string bytes, std::size_t grow);
 /// too deeply.
 std::string mutated_json(std::string_view text, unsigned seed);
 
-/// Custom mutator for JSON inputs. It mutates a JSON value in three of four calls, otherwise bytes.
+/// Custom mutator for JSON inputs of a fuzz test. Mutates a JSON value in three of four calls, otherwise bytes.
 std::size_t mutate_json(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed);
 
 }  // namespace fuzz

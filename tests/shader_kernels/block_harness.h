@@ -21,7 +21,7 @@ struct Sampled {
   SampleMark mark(std::uint32_t x, std::uint32_t y) const { return marks[std::size_t{y} * samples_across + x]; }
 };
 
-/// Runs a frame program for a whole frame. `grid`: side of the grid of samples in a pixel.
+/// Runs a frame program for a whole frame. `grid`: samples of a pixel along each axis.
 inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, std::uint32_t grid = 1,
                            bool record = false) {
   Sampled out;
@@ -109,7 +109,7 @@ inline std::uint64_t failed(const Sampling& sampling, Check check) {
 struct Room {
   traces::Scene scene = empty_scene();
   Room() { scene.ambient = glm::vec3(1); }
-  /// Adds `part` with `material` as one object.
+  /// Adds mesh `part` with `material` to the scene as one object.
   Room& add(const traces::Mesh& part, const Material& material = {}) {
     traces::add_object(scene, part, traces::add_material(scene, material));
     return *this;

@@ -46,7 +46,8 @@ Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   return formats;
 }
 
-/// Returns the size in bytes of each part of a scene's memory image; padding counts as textures.
+/// Returns the size in bytes of each part (nodes, triangles, ...) of a scene's memory image; padding counts as
+/// textures.
 Json memory_json(const traces::MemoryImage& image) {
   Json parts = {{"nodes", image.node_array_bytes()},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},

@@ -69,8 +69,8 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
-/// Returns the share of a kernel's cycles that belongs to a group: 0 or 1, except for fused kernels. For these it is
-/// the share of operations in those parts that belong to the group.
+/// Returns the share of a kernel's cycles that belongs to a group of kernels: 0 or 1, except for fused kernels. Fused
+/// kernels count by the share of their operations that come from kernels of the group.
 double part_of(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
@@ -300,8 +300,8 @@ sim::Json per_mm2(sim::Json statistics, double mm2) {
   return statistics;
 }
 
-/// Adds the machine's area by block and by part to the totals, and perf.frames_per_joule_per_mm2 and
-/// perf.mrays_per_s_per_mm2. No effect without an area table.
+/// Adds the machine's area to the totals, by block and by kind (logic, arrays, buffers, pads), and
+/// perf.frames_per_joule_per_mm2 and perf.mrays_per_s_per_mm2. No effect without an area table.
 void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
   if (config.area.arrays.empty()) return;
   const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);

@@ -126,7 +126,7 @@ void collect_numbers(const Json& node, const std::string& path, int depth, Numbe
   }
 }
 
-/// Returns the kind of a unit: its name without its number, if siblings are numbered from 0 ("core3" -> "core").
+/// Returns the kind of a unit: the name without its number, if sibling units are numbered from 0 ("core3" -> "core").
 std::string kind_of(const std::string& name, const Json& siblings) {
   const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
@@ -164,7 +164,7 @@ bool is_below(std::string_view path, std::string_view text) {
   return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
 }
 
-/// Returns the last components of a report path: the same number of components that `text` has.
+/// Returns the end of a report path with as many components as `text` has.
 std::string end_of(std::string_view path, std::string_view text) {
   std::size_t at = std::string_view::npos;
   for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {

@@ -50,15 +50,16 @@ struct ReportNumber {
   double value = 0;
 };
 
-/// Returns all numbers of a report in its order, followed by unit_sums(). Leaves out `host` and `provenance`, which
-/// differ between equal runs, and the confidence intervals of counters. Throws InputError for excessive nesting.
+/// Returns all numbers of a report, in the order of the file, followed by unit_sums(). Leaves out `host` and
+/// `provenance`, which differ between equal runs, and the confidence intervals of counters. Throws InputError for
+/// excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
 /// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,
 /// "units.core.tni.trv.units" their number. Single units are included.
 std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
-/// True for a path in `totals`.
+/// True for a report path in `totals`.
 bool is_totals_path(std::string_view path);
 /// Returns the short form of a report path, which users may type: without a leading "totals.".
 std::string metric_name(std::string_view path);

@@ -96,7 +96,7 @@ std::string heading_text(const Json& report) {
                            report["program"].get<std::string>(), si_text(report["scene"]["triangles"].get<double>()));
 }
 
-/// Formats DRAM traffic by purpose.
+/// Formats the DRAM traffic of a run by purpose.
 std::string dram_traffic(const Json& totals) {
   const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
   const Json& clients = totals["dram_bytes_by_client"];
@@ -139,8 +139,8 @@ std::string sustained_text(const Json& totals) {
                      s["hottest_body_c"].get<double>());
 }
 
-/// Explains why a run with fewer traversal steps than its reference is slower: names the part of a core's time that
-/// grew most. Empty for other runs.
+/// Explains why a run with fewer traversal steps than its reference is slower: names the cause whose share of a core's
+/// time grew most. Empty for other runs.
 std::string slower_because(const Json& t) {
   const Json &relative = t["relative"], &reference = t["reference"];
   const double steps = relative["traversal_steps"].get<double>();

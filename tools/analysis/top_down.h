@@ -113,7 +113,7 @@ struct Utilisation {
 };
 Utilisation utilisation_of(std::span<const sim::UnitReport> units);
 
-/// Estimated speed-up if a resource were ideal.
+/// Estimated speed-up of a frame if one resource of the machine were ideal.
 struct Estimate {
   std::string resource;  ///< name of the resource, as in hw::IdealConfig
   double speedup = 1;

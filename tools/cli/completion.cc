@@ -206,8 +206,8 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// Returns shell lines that list the words that can follow on the command line: in `choices` if only these are allowed,
-/// in `names` if files are also allowed, in `next` for verbs and options.
+/// Returns shell lines that set variables to the words that can follow on the command line: `choices` if only these are
+/// allowed, `names` if files are also allowed, `next` for verbs and options.
 std::string next_word_lines(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
     std::string lines = fmt::format("      next='{} {} {}'\n", join_words(verb.verbs),
@@ -295,7 +295,7 @@ _raywatt "$@"
 )";
 }
 
-/// Returns a fish function that prints completions of --set: keys by list, and values of a key.
+/// Returns a fish function that prints completions of --set: configuration keys, and the allowed values of a key.
 std::string fish_settings() {
   const SetKeys keys = set_keys();
   std::string out =

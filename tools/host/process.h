@@ -53,7 +53,7 @@ class ChildProcess {
   /// Starts the child, which calls `make_text` and sends the text. Throws std::system_error if no process can be
   /// started; in the child, exceptions of `make_text` leave the constructor.
   explicit ChildProcess(const std::function<std::string()>& make_text);
-  /// Kills the child if it still runs.
+  /// Kills the child process if it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

@@ -35,7 +35,7 @@ bool has_true_colour();
 /// Draws a picture in half blocks: two pixels per character, one above the other, in 24-bit colour.
 std::string draw_half_blocks(const SmallPicture& picture);
 
-/// State of a job's progress, as displayed.
+/// State of a job's progress, as displayed to the user.
 struct ProgressState {
   std::string phase = "loading";       ///< current activity: "loading", "building the tree", "simulating", ...
   std::string label;                   ///< label of the job's current part, if its parts have labels
@@ -75,7 +75,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Displays an activity that traces no rays, such as loading, and ends the current part of the job.
+  /// Displays an activity that traces no rays, such as loading, and ends the job's current part.
   void set_phase(const std::string& what);
   /// Sets the number of parts of the job. A later call starts a new count.
   void expect_parts(std::uint32_t parts, const std::string& label = {});

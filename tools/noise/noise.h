@@ -20,7 +20,7 @@ struct Draws {
   double mean = 0;
   double deviation = 0;  ///< standard deviation of one draw, with count - 1 degrees of freedom; 0 for a single draw
 
-  /// Returns the half-width of the 95 % interval of the mean, by Student's t; 0 for a single draw.
+  /// Returns the half-width of the 95 % interval of the mean of the draws, by Student's t; 0 for a single draw.
   double half_width() const;
 };
 Draws draw_statistics(std::span<const double> values);

@@ -43,7 +43,7 @@ Interval95 interval_of(std::vector<double> samples);
 
 /// Energy of run b divided by the energy of run a.
 struct EnergyRatio {
-  sim::Band together;  ///< ratio with both runs priced under the low, nominal or high tables
+  sim::Band together;  ///< ratio of the energies of both runs under the low, nominal or high tables
   Interval95 drawn;    ///< ratio over random draws of all table entries
   double b_less = 0;   ///< share of the draws in which b uses less energy
 };

@@ -19,7 +19,7 @@ struct EnergyEntry {
   std::string unit;
   std::string meaning;  ///< description of the entry's configuration key
   std::uint64_t hash = 0;
-  /// A figure of the configuration, and its band before any draw.
+  /// A number in an entry of the energy tables, and its band before any random draw.
   struct Figure {
     std::string name;  ///< name of the entry, for a curve with the size: "energy.events.cache.l1_read@16KiB"
     sim::Band* value;
@@ -33,8 +33,8 @@ struct EnergyEntry {
   void restore_nominal();
 };
 
-/// Returns the entries of all energy tables, including entries without a band, in the order of the configuration.
-/// `config` must outlive them.
+/// Returns the entries of all energy tables, including entries without a band, in the order of the configuration's
+/// keys. `config` must outlive them.
 std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
 /// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the

@@ -261,7 +261,7 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
-/// Which results to list on standard output.
+/// Which result files `raywatt run` lists on standard output.
 struct ListedResults {
   bool picture, timeline, reference;
 };

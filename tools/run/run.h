@@ -79,7 +79,7 @@ void print_warnings(const sim::Json& report, std::size_t already_printed);
 void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
                   const RunResult& result);
 
-/// Inputs and options of a run.
+/// Inputs and options of a run, as the origin of its report.
 struct Origin {
   const Inputs& inputs;
   const JobOptions& options;
@@ -159,7 +159,7 @@ struct SimulatedFrame {
   bool is_first = true;
 };
 
-/// Options of run(): observers, recorded data, and what is kept after an interrupt.
+/// Options of run(): observers, recorded data, and which results are kept after an interrupt.
 struct RunOptions {
   Progress* progress = nullptr;
   bool keep_part = false;  ///< an interrupt keeps the finished tiles of the first frame

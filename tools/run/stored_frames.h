@@ -32,7 +32,7 @@ class StoredFrames final : public FrameSource {
   FrameResult simulate_reference(const SimulateOptions& extras) override;
   double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
   bool advance_frame() override;
-  /// Goes back to the first frame.
+  /// Goes back to the first frame of the trace.
   void go_to_first_frame() { read_frame(0), caches_ = reference_caches_ = {}; }
 
  private:
@@ -44,7 +44,8 @@ class StoredFrames final : public FrameSource {
   void read_frame(std::size_t index);
   using Caches = std::shared_ptr<const hw::CacheContents>;
   const traces::TraceReader::Part& find_part(bool reference) const;
-  /// Simulates a part of the trace. `caches`: contents of the caches at its start; replaced by those at its end.
+  /// Simulates a part of the trace: a frame or its reference. `caches`: contents of the caches at its start; replaced
+  /// by those at its end.
   FrameResult simulate_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
                             const SimulateOptions& extras, Caches& caches);
   void load_tree(const traces::TraceReader::Part& part);

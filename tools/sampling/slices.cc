@@ -437,7 +437,7 @@ constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCo
 constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Parses a count; parse_counts() parses a list of `size` counts.
+/// Parses a count from JSON; parse_counts() parses an array of `size` counts.
 std::uint64_t parse_count(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
 const Json& parse_list(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;

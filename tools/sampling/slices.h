@@ -35,7 +35,7 @@ struct Probe {
   double time = 0, energy_pj = 0;
 };
 
-/// Results of one slice.
+/// Results of simulating one slice of a frame.
 struct SliceResult {
   Slice slice;
   MachineSpan own;
@@ -81,8 +81,8 @@ FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pr
 /// Simulates slice `index` (from 0) of `slices` alone. Returns its results for join_slices().
 sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          std::uint32_t slices, std::uint32_t index);
-/// Joins the results of all slices, in order. Returns the result of simulate_slices() without the picture. Throws
-/// InputError if they are not the slices of this frame.
+/// Joins the results of all slices of a frame, first slice first. Returns the result of simulate_slices() without the
+/// picture. Throws InputError if they are not the slices of this frame.
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Describes a frame that was simulated as a whole as a frame with one slice.

@@ -29,7 +29,8 @@
 namespace tools {
 namespace {
 
-/// Activity of the machine during the measured part of a block of tiles.
+/// Activity of the machine in the measured part of a block of tiles, which follows the tiles that only fill the
+/// machine.
 struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
@@ -37,7 +38,7 @@ struct MeasuredPart {
   TileTraits traits;  ///< traits of the work in the measured part
 };
 
-/// Results of simulating a list of blocks of tiles on one machine.
+/// Results of simulating some blocks of tiles on one machine.
 struct SampledRun {
   /// Counters of the first and of the last block, which are the start and end of the frame.
   MeasuredPart begin, end;
@@ -58,8 +59,8 @@ MeasuredPart difference_of(const Mark& a, const Mark& b) {
   return part;
 }
 
-/// Returns the traits of the work in a measured part. Traits that the machine counts are exact; others are sums over
-/// the tiles in flight, weighted by the share of each tile's time within the part.
+/// Returns the traits of the work in the measured part of a block. Traits that the machine counts are exact; others are
+/// sums over the tiles in flight, weighted by the share of each tile's time within the part.
 TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
                      std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
   TileTraits sum;
@@ -123,7 +124,8 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   return run;
 }
 
-/// Returns the weighted sum of the measured parts' times and counters; peaks are the maximum of the simulated parts.
+/// Returns the weighted sum of times and counters over the measured parts of blocks; a counter that records a peak gets
+/// the maximum over all simulated parts.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run) {
   const auto sum = [&](auto&& of) {
@@ -286,7 +288,7 @@ Estimates exact_estimates(const SampledRun& run) {
   return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}};
 }
 
-/// Returns an estimate with its 95 % interval, from the values `seen` in the measured parts.
+/// Returns an estimate with its 95 % interval, from the values `seen` in the measured parts of blocks.
 Interval interval_around(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }
@@ -329,7 +331,7 @@ Estimates estimate_frame(const Inputs& inputs, const Pilot& pilot, const TilePla
   return e;
 }
 
-/// Copies a render result without its picture.
+/// Copies all members of a render result except its picture.
 void copy_counts(const RenderResult& from, RenderResult& to) {
   to = from;
   to.rgb.clear();

@@ -14,7 +14,7 @@
 
 namespace tools {
 
-/// Parameters of sampling (--tile-sampling, --image).
+/// Parameters of tile sampling (--tile-sampling, --image).
 struct TileSampling {
   double share = 0.05;  ///< share of the frame's work to measure
   /// --tile-sampling auto: more blocks are simulated until both relative half-widths are below this; 0: off
@@ -55,7 +55,7 @@ class SampleWeights {
   SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
 
   const std::vector<double>& part_weights() const { return weights_; }
-  /// Returns the estimated total of the whole for a quantity observed in each part.
+  /// Returns the estimated total of a quantity over the whole, from its value in each part.
   double total(std::span<const double> observed) const;
   /// Returns the half-width of the 95 % interval of total(), from the residuals of the fit.
   double half_width(std::span<const double> observed) const;

@@ -19,8 +19,8 @@ struct Area {
   double sum = 0;
 };
 
-/// Returns the sum of a figure for each area of the picture. Entries of later passes count for the area of the same
-/// tile's first entry.
+/// Returns the sum of a figure over all passes for each area of the picture. A tile in a later pass counts for the area
+/// of the same tile in the first pass.
 std::vector<Area> sum_by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;

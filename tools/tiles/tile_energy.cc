@@ -190,7 +190,7 @@ class TileWeights {
     add_kernels(s);
   }
 
-  /// Returns the number of kinds of work.
+  /// Returns the number of kinds of work by which energy is shared.
   std::size_t kind_count() const { return kinds_; }
   double tile_weight(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double weight_without_tile(std::size_t kind) const { return rest_[kind]; }
@@ -351,7 +351,7 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
 
 namespace {
 
-// the same factor as in reports, so that figures are equal to the last bit
+// must be the factor of reports, so that figures are equal to the last bit
 constexpr double kMillijoulesPerPicojoule = 1e-9;
 
 /// Returns the number that gives exactly `whole` when it is added to `sum`, in spite of rounding.
@@ -408,8 +408,8 @@ class Builder {
     add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
     add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
   }
-  /// Returns for each entry of the tile list the same tile's entry in the first pass, which has its position. A later
-  /// pass over the frame numbers its tiles after those of the previous pass, in the same order.
+  /// Returns for each entry of the tile list the entry of the same tile in the first pass, which has the tile's
+  /// position. A later pass over the frame numbers its tiles after those of the previous pass, in the same order.
   std::vector<const kernels::TileSummary*> first_passes() const {
     std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;

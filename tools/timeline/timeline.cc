@@ -138,7 +138,7 @@ class TimeBins {
   double bin_seconds(std::size_t i) const {
     return static_cast<double>(std::min(bin_begin(i + 1), elapsed_) - bin_begin(i)) / sim::kFemtosecondsPerSecond;
   }
-  /// Spreads an amount evenly over [from, to).
+  /// Spreads an amount evenly over the time bins in [from, to).
   void spread_amount(std::vector<double>& over, sim::Time from, sim::Time to, double amount) const {
     if (from >= to) return;
     for (auto i = static_cast<std::size_t>(from / length_); i < count_ && bin_begin(i) < to; ++i) {
@@ -463,8 +463,8 @@ void TimelineRecorder::on_event(const hw::Event& event) {
              event);
 }
 
-/// Returns the entry of the tile list that a tag belongs to. A tag is the entry modulo 2^15, so it is looked up among
-/// the tiles in flight on the core, whose tags differ.
+/// Returns the entry of the tile list that a tag belongs to. A tag is the index of the entry modulo 2^15, so it is
+/// looked up among the tiles in flight on the core, whose tags differ.
 std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) const {
   const auto slot = std::ranges::find(slots_[core], tile, &Slot::owner);
   return slot == slots_[core].end() ? RecordedSlice::kNoEntry : slot->entry;

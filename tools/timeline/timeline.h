@@ -49,7 +49,7 @@ class TimelineRecorder final : public hw::Observer {
   explicit TimelineRecorder(std::uint32_t cores) : slots_(cores), batches_(cores) {}
   void on_event(const hw::Event& event) override;
 
-  /// Returns the slices in the order in which they ended.
+  /// Returns the recorded slices in the order in which they ended.
   const std::vector<RecordedSlice>& slices() const { return slices_; }
   const std::vector<MemoryBin>& memory_bins() const { return memory_; }
 
@@ -105,7 +105,7 @@ std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, cons
 inline constexpr const char* kTimelineFile = "timeline.pftrace";
 inline constexpr std::uint64_t kMostTimelineBytes = std::uint64_t{32} << 20;
 
-/// A frame as a Perfetto trace.
+/// A timeline of a frame as a Perfetto trace file.
 struct Timeline {
   std::string bytes;
   std::uint64_t slices = 0;   ///< slices in the trace

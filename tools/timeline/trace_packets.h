@@ -14,7 +14,7 @@
 
 #include "tools/timeline/timeline.h"
 
-/// Packets of a Perfetto trace.
+/// Packets of a Perfetto trace: their encoding, tracks and texts.
 namespace tools::perfetto {
 
 /// Table of texts to which the events of a trace refer by number.
@@ -191,7 +191,7 @@ class TimelineTracks {
 
   explicit TimelineTracks(std::uint32_t cores) : cores_(cores) {}
 
-  /// Returns the track of a slice. Call it for a core's slices in the order in which they begin, because
+  /// Returns the track of a timeline slice. Call it for a core's slices in the order in which they begin, because
   /// overlapping batches of rays get different tracks.
   std::uint64_t track_of(const RecordedSlice& slice) {
     Core& core = cores_[slice.core];

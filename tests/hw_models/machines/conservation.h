@@ -3,7 +3,7 @@
 
 namespace hw::test {
 
-/// Does those checks of expect_conserved() that hold for any workload.
+/// Does only those checks of expect_conserved() that hold for any workload.
 void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
 
 /// Checks conservation in a finished run: all that entered a unit has left it, counters of senders and receivers agree,

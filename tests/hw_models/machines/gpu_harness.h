@@ -20,7 +20,7 @@ namespace hw::test {
 /// A frame to simulate: a scene, a camera and the frame program `full`. Not movable: the program refers to the image.
 class Frame {
  public:
-  /// `tile`: side of a tile in samples.
+  /// `tile`: side of a tile of the frame in samples.
   Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
         std::uint32_t tile = 16, const traces::BvhConfig& bvh = {});
   Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
@@ -31,7 +31,7 @@ class Frame {
   kernels::FullProgram& program() const { return program_; }
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
-  /// Records the work of all tiles, so that several machines can simulate the same tiles.
+  /// Records the work of all tiles of the frame, so that several machines can simulate them.
   std::vector<traces::TileWork> record() const;
   /// Returns the number of cache lines of the frame buffer that the tiles write.
   std::uint64_t picture_lines() const { return picture_lines_; }

@@ -7,7 +7,7 @@
 
 namespace hw::test {
 
-/// A change that doubles a resource at equal latencies. It should never slow a frame.
+/// A change of a machine that doubles a resource at equal latencies. The change should never slow a frame.
 struct Improvement {
   std::string_view name;
   void (*apply)(GpuConfig& config);

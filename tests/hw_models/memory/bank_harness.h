@@ -3,7 +3,8 @@
 
 namespace hw::test {
 
-/// Test harness for one L2 bank with requesters and a memory of fixed latency. `memory`: that latency in cycles.
+/// Test harness for one L2 bank with requesters and a memory of fixed latency. `memory`: latency of the memory in
+/// cycles.
 struct BankHarness {
   explicit BankHarness(L2Config config = small(), std::size_t cores = 2, std::size_t capacity = 64,
                        std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,

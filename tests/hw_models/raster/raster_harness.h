@@ -13,7 +13,7 @@ using traces::RasterTriangle;
 using traces::TileWork;
 using traces::WorkNode;
 
-/// Returns the work of a tile with a single node, whose triangles are in one list.
+/// Returns the work of a tile with a single node, whose triangles are in one triangle list.
 inline TileWork tile_of(WorkNode::Kind kind, std::uint32_t items, const std::vector<RasterTriangle>& triangles,
                         std::uint32_t pixel_samples = 1) {
   TileWork work;

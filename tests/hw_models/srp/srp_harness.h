@@ -76,7 +76,7 @@ class SrpHarness {
   const std::vector<RaySent>& rays() const { return rays_; }
   const std::vector<DmaJob>& transfers() const { return transfers_; }
   const std::vector<std::uint32_t>& tiles_done() const { return tiles_done_; }
-  /// Returns the borders that tiles have written, in order of time.
+  /// Returns the borders that tiles have written, earliest first.
   const std::vector<traces::Border>& borders() const { return borders_; }
   /// Returns the cycle in which the i-th tile to end left the shader core, counted from the arrival of the first tile.
   std::uint64_t done_at(std::size_t i) const { return done_at_[i] - 2; }

@@ -16,7 +16,7 @@ class TniHarness {
  public:
   struct Setup {
     TniConfig config;
-    std::uint32_t memory_latency = 50;  ///< cycles from request to line
+    std::uint32_t memory_latency = 50;  ///< cycles from a memory request to the arrival of its line
     std::vector<std::uint32_t> parents;
     std::vector<std::array<std::uint32_t, 2>> single_boxes;
     std::vector<traces::NodeRecord> links;

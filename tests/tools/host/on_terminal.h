@@ -40,7 +40,7 @@ class OnTerminal {
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
-  /// Reads the program's output until it contains `part`. False if the output ends before.
+  /// Reads the program's output until it contains the text `part`. Returns false if the output ends before.
   bool wait_for(const std::string& part) {
     char bytes[1024];
     while (screen_.find(part) == std::string::npos) {

@@ -116,8 +116,8 @@ inline std::string bits_of_levels() {
 /// Function by which a test changes header and contents of a trace before they are written.
 using Change = std::function<void(OrderedJson& header, OrderedJson& contents)>;
 
-/// Returns a trace file of one tree and one frame. `tree`, `part`: their entries in the contents, without block
-/// offsets.
+/// Returns a trace file of one tree and one frame. `tree`, `part`: entries of the tree and the frame in the file's
+/// contents, without block offsets.
 inline std::string file_of(OrderedJson header, const std::string& links, OrderedJson tree,
                            const std::vector<std::string>& tiles, OrderedJson part, const Change& change = {},
                            const Form& form = {}) {

@@ -49,8 +49,8 @@ struct RenderResult {
   void add(const RenderResult& other);
 };
 
-/// Executes a frame program tile by tile, in order, and keeps the picture. Worker threads run ahead of the machine by a
-/// bounded number of tiles and bytes. The results are independent of the number of threads.
+/// Executes a frame program tile by tile, in the order of the tile list, and keeps the picture. Worker threads run
+/// ahead of the machine by a bounded number of tiles and bytes. The results are independent of the number of threads.
 class FrontEnd final : public hw::TileSource {
  public:
   /// `workers`: threads in addition to the caller's; 0: next() executes tiles. `record`: also record the work for a
@@ -149,8 +149,9 @@ struct ProgressBase {
 /// throws Interrupted. With `keep_part` it returns no more tiles instead, and the machine finishes the dispatched ones.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: number of tiles that the front end executes. `former`: sums of earlier rounds, which are added to the
-  /// reported progress. It is needed if a frame's tiles are passed in several rounds, with one RunTiles each.
+  /// `tiles`: number of tiles that the front end executes. `former`: tiles, rays and cycles of earlier rounds, which
+  /// are added to the reported progress. `former` is needed if a frame's tiles are passed in several rounds, with one
+  /// RunTiles each.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}

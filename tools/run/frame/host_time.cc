@@ -44,7 +44,7 @@ class MeasuredTiles final : public hw::TileSource {
   std::uint64_t steps_ = 0;
 };
 
-/// Returns `count` indices that are spread evenly over a list of `all` entries.
+/// Returns `count` indices that are spread evenly over 0 to `all` - 1.
 std::vector<std::uint32_t> evenly_spaced_indices(std::uint32_t all, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint64_t k = 0; k < count; ++k) {

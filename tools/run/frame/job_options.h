@@ -8,7 +8,7 @@ namespace tools {
 
 inline constexpr std::uint32_t kMostReplicates = 1000;
 
-/// Options of `raywatt run` and `raywatt verify`.
+/// Command-line options of `raywatt run` and `raywatt verify`.
 struct JobOptions {
   std::string config = "sgrt-2016";
   std::string scene;   ///< built-in scene, workload or file; empty: as configured

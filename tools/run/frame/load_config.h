@@ -49,7 +49,7 @@ struct LatencyConfig {
 /// no curve.
 void set_hit_cycles(RunConfig& config);
 
-/// True if a cache has hit_cycles `auto`.
+/// True if at least one cache has hit_cycles `auto`.
 bool uses_latency_table(const RunConfig& config);
 
 /// Returns a warning for each cache with hit_cycles `auto` and a size outside the range of the latency curve.
@@ -85,8 +85,8 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
 /// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);
 
-/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the file's. The
-/// result is not checked. This is the first step of load_run_config(); ConfigVariants performs the others.
+/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the file's. Does
+/// not check the result. This function is the first step of load_run_config(); ConfigVariants performs the others.
 RunConfig load_base_config(const std::string& config, const std::string& scene,
                            const std::vector<std::string>& sets = {});
 
@@ -119,8 +119,8 @@ class ConfigVariants {
   sim::ConfigVariant variant_;
 };
 
-/// Throws InputError unless every entry of the tables of energy and area matches a counter, unit or part of the
-/// machine, and every counter has an entry.
+/// Throws InputError unless every entry of the tables of energy and area matches a counter or hardware of the machine,
+/// and every counter has an entry.
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config);
 
 }  // namespace tools

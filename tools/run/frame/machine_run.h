@@ -52,9 +52,9 @@ struct MachineVariant {
   std::shared_ptr<const hw::CacheContents> start{};
 };
 
-/// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`: a
-/// result that supplies everything that does not depend on the machine. `what`: name of the work in the progress. An
-/// exception of one machine (sim::Deadlock, Interrupted) ends all.
+/// Simulates recorded work on several machines, `threads` at a time, and returns their results in the order of `plays`.
+/// `plain`: a result from which everything that does not depend on the machine is copied. `what`: name of the work in
+/// the progress display. An exception of one machine (sim::Deadlock, Interrupted) ends all.
 std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                            const InMemoryTrace& work, const FrameResult& plain,
                                            std::span<const MachineVariant> plays, const char* what,

@@ -76,7 +76,7 @@ class InMemoryTrace {
 /// because all tiles share one decoder. Throws Interrupted.
 class InMemoryTraceProgram final : public kernels::FrameProgram {
  public:
-  /// `on_tile` is called after each tile.
+  /// `on_tile` is called after each decoded tile.
   InMemoryTraceProgram(const InMemoryTrace& work, const kernels::FrameRequirements& requirements,
                        std::function<void()> on_tile)
       : FrameProgram(0, 0), work_(work), requirements_(requirements), on_tile_(std::move(on_tile)) {}

@@ -38,7 +38,7 @@ InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameReq
   return {std::move(scope), inputs.config.limits.memory.bytes, requested_by};
 }
 
-/// Begins the part of the trace file for this frame; no effect if no trace is recorded.
+/// Begins the section of this frame in the trace file; no effect if no trace is recorded.
 void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const SimulateOptions& extras) {
   if (extras.trace == nullptr) return;
   extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),

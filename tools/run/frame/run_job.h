@@ -71,7 +71,7 @@ void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, a
   } while (advance_frame(inputs, threads, progress));
 }
 
-/// An estimate with its 95 % interval.
+/// An estimated value with its 95 % interval.
 struct Interval {
   double estimate = 0;
   double random = 0;      ///< half-width of the random error
@@ -88,7 +88,7 @@ struct SampledFrame {
   Interval cycles, energy_pj;
   /// Counters summed over units of the same kind, by path; empty if all tiles were simulated.
   std::map<std::string, Interval> counters;
-  double pilot_seconds = 0, warming_seconds = 0;  ///< host seconds
+  double pilot_seconds = 0, warming_seconds = 0;  ///< host seconds of the pilot render and of warming caches
   void add(const SampledFrame& other);
 };
 
@@ -117,7 +117,8 @@ struct FrameResult {
   std::uint64_t cycles = 0;  ///< T&I clock cycles
   sim::Time elapsed = 0;
   double wall_seconds = 0;  ///< host time of rendering and simulation together
-  /// Tiles of the last frame; all are finished unless SimulateOptions::keep_part kept a part.
+  /// Tiles of the last frame, and how many of them are finished: all, unless SimulateOptions::keep_part kept an
+  /// interrupted frame.
   std::uint32_t tiles = 0, finished_tiles = 0;
   std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
   std::optional<SlicedFrame> sliced;    ///< set if slices were requested
@@ -139,14 +140,14 @@ kernels::RenderConfig reference_render(kernels::RenderConfig render);
 /// Returns the number of tiles per row and column of the current frame.
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
 
-/// Options of simulate_frame() and render_frame().
+/// Options of simulate_frame() and render_frame(): observers, recorded data and start state.
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
   bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
   bool keep_part = false;             ///< an interrupt keeps the finished tiles of the frame, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
-  bool reference = false;  ///< the program is the reference: own part of the trace, settings of reference_render()
+  bool reference = false;  ///< the program is the reference: own section of the trace, settings of reference_render()
   sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time; null: not recorded
   RunWatcher* watcher = nullptr;              ///< receives pictures of the frame during the simulation; null: none
   std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed

@@ -13,7 +13,7 @@ namespace tools {
 /// Returns the header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
 /// Returns, as JSON, counts of the frame program for a part of a trace (one frame, or its reference), such as samples
-/// traced. The recorded work does not contain them.
+/// traced. The recorded work lacks these counts.
 traces::Json recorded_result(const RenderResult& result);
 /// Returns a frame's JSON entry in a trace. `error`: mean squared difference from the reference's picture.
 traces::Json recorded_frame(std::uint32_t number, double error);

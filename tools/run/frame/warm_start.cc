@@ -36,8 +36,8 @@ constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
 /// Fills of the L2 per line of all shared caches after which the lines of earlier tiles are assumed to be evicted.
 constexpr std::uint64_t kFillsPerLine = 2;
 
-/// Warms the machine's caches with the tiles of a front end, from entry `first` on. Tiles are assigned to cores round
-/// robin. Returns the number of lines filled into the L2.
+/// Warms the machine's caches with the tiles of a front end, starting with entry `first` of the tile list. Tiles are
+/// assigned to cores round robin. Returns the number of lines filled into the L2.
 std::uint64_t warm_caches_from(hw::Gpu& gpu, FrontEnd& front_end, std::uint32_t first) {
   std::uint64_t filled = 0;
   std::uint32_t core = 0, index = 0;

@@ -626,8 +626,8 @@ std::vector<TrafficPath> timed_memory_paths(const Values& was, const Values& is)
   return out;
 }
 
-/// Returns the time that first-level misses waited in queues of the core port. It is independent of the interconnect's
-/// latency.
+/// Returns the time that first-level misses waited in queues of the core port. The time is independent of the
+/// interconnect's latency.
 double queue_time(const Values& values) {
   using Port = hw::CorePort;
   return time_of<Port>(values, &Port::Stats::request_wait, Port::kCachePort) +

@@ -83,7 +83,7 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
 /// Measures one scene in rounds. A round measures each metric once, so that changing load affects all alike.
 class RoundRunner {
  public:
-  /// `scratch`: folder for temporary files.
+  /// `scratch`: folder for temporary files of the benchmark.
   RoundRunner(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& scratch,
               Progress& progress)
       : inputs_(inputs),

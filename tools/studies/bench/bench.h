@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// Options of `raywatt bench`.
+/// Command-line options of `raywatt bench`.
 struct BenchOptions {
   JobOptions job;  ///< `job.threads` applies to multi-threaded measurements only
   std::vector<std::string> scenes = {"cornell", "teapot"};

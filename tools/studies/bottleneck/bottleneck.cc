@@ -51,7 +51,7 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // Assumption: a ray in the intersection unit waits for the same share of time as the unit.
+  // Assumption: a ray in the intersection unit waits for lines in the same share of its time as the unit.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
   const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;

@@ -49,8 +49,8 @@ struct DvfsCurve {
 /// Computes the energy per period of all points and sets the indices energy_optimal, race_to_idle and least_a_period.
 void choose_points(DvfsCurve& curve, double period_ms);
 
-/// Returns clock factors to simulate next, halfway between neighbouring points. They refine two points: the slowest
-/// that meets the period, and the one with the least energy per period. Empty if both are known to 0.5 %. At least one
+/// Returns clock factors to simulate next, halfway between neighbouring points. They refine the slowest point that
+/// meets the period and the point with the least energy per period. Empty if both are known to 0.5 %. At least one
 /// point must meet the period.
 std::vector<double> factors_to_try(const DvfsCurve& curve);
 

@@ -183,7 +183,7 @@ std::string priced_csv(const std::vector<RepricedRun>& runs) {
   return out;
 }
 
-/// Formats energies as JSON, schema raywatt-price/1.
+/// Formats the energies of runs as JSON, schema raywatt-price/1.
 std::string priced_json(const std::vector<RepricedRun>& runs) {
   Json out = {{"schema", "raywatt-price/1"}, {"runs", Json::array()}};
   for (const RepricedRun& run : runs) {

@@ -31,7 +31,7 @@ struct Measurement {
   double relative_error() const;
 };
 
-/// Results of a microbenchmark.
+/// Results of a microbenchmark, and how to print them.
 struct Findings {
   std::string title;
   std::vector<Measurement> measurements;
@@ -53,8 +53,8 @@ struct UpperBound {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest of several upper bounds. It counts as not reached if another such bound is less than 1.5 times
-/// as large.
+/// Returns the smallest of several upper bounds. The bound counts as not reached if another such bound is less than 1.5
+/// times as large.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
 std::string findings_table(const Findings& findings);
@@ -74,7 +74,7 @@ struct BenchmarkJob {
   std::string refresh = "on";
 };
 
-/// A command-line option of a microbenchmark.
+/// A command-line option of one microbenchmark.
 struct BenchmarkOption {
   using Member = std::variant<bool BenchmarkJob::*, std::uint32_t BenchmarkJob::*, std::string BenchmarkJob::*,
                               std::vector<std::string> BenchmarkJob::*>;
@@ -95,7 +95,7 @@ struct Benchmark {
   Findings (*measure)(const BenchmarkJob& job);
 };
 
-/// Returns the option --json.
+/// Returns the option --json, which every microbenchmark has.
 BenchmarkOption json_option();
 
 /// Returns the configuration of the machine with all `ideal` settings switched off.
@@ -103,8 +103,8 @@ RunConfig machine_without_ideals(const JobOptions& job);
 /// Returns one copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
 std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job);
 
-/// Returns the mean rate of events per second, without the first and the last tenth of them. `moments`: times of the
-/// events in fs, in any order.
+/// Returns the mean rate of events per second, leaving out the first and the last tenth of the events. `moments`: times
+/// of the events in fs, in any order.
 double steady_rate(std::vector<std::uint64_t> moments);
 
 // Each benchmark simulates a part of the machine alone and compares it with formulas.

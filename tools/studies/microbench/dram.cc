@@ -140,7 +140,7 @@ struct Latencies {
   }
 };
 
-/// The results of simulating a stream of DRAM requests.
+/// Results of simulating a stream of DRAM requests.
 struct Result {
   const hw::DramConfig& config;
   const hw::DramRun play;

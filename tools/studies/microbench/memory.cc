@@ -290,9 +290,9 @@ class Chase {
   }
 
  private:
-  /// Reads `lines` in order and adds the latency of the last read to `measurement`, from the probe of the L1 to the
-  /// data. `neighbour_first`: another client reads the last line first. `level`: memory level that serves the last
-  /// read; empty: the L1.
+  /// Reads `lines` one after the other and adds the latency of the last read to `measurement`, from the probe of the L1
+  /// to the data. `neighbour_first`: another client reads the last line first. `level`: memory level that serves the
+  /// last read; empty: the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);

@@ -94,9 +94,9 @@ class TniForms {
     return box_passes(ray) * pass + (ray.leaf.exits.empty() ? 0 : to_ist_and_back);
   }
 
-  /// Returns the throughput of a busy intersection unit, in leaves per cycle. Round robin makes all leaves in the unit
-  /// end in the same round. If a round is shorter than the rest of the pipeline, the unit idles until the first leaf
-  /// ends.
+  /// Returns the throughput of a busy intersection unit, in leaves per cycle. Round robin over the leaves makes all
+  /// leaves in the unit end in the same round. If a round is shorter than the rest of the pipeline, the unit idles
+  /// until the first leaf ends.
   UpperBound leaves_per_cycle(const Leaf& leaf) const {
     const std::uint32_t round = tni_.ist.leaves, rest = leaf_time(leaf) - lines_read(leaf) + 2;
     const std::uint32_t idle = rest > round ? rest - round : 0;

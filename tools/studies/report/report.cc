@@ -421,7 +421,7 @@ std::string json_for_html(const Json& json) {
   return escape_text(sim::json_line(json), {{'<', "\\u003c"}, {'>', "\\u003e"}, {'&', "\\u0026"}});
 }
 
-/// Returns an entry of a content security policy. It allows only a script or style whose hash is that of `text`.
+/// Returns an entry of a content security policy, which allows only a script or style whose hash is that of `text`.
 std::string hash_source(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
   SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());

@@ -529,7 +529,7 @@ std::vector<View> sgrt_views(bool quick) {
   return all;
 }
 
-/// Collects the cases of one scene view.
+/// Collects the experiments of one scene view; each has a run and a reference run.
 class Plan {
  public:
   Plan(std::vector<Case>& cases, const View& view, bool quick) : cases_(cases), view_(view), quick_(quick) {}

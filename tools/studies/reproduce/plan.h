@@ -20,7 +20,7 @@ struct View {
   friend bool operator==(const View&, const View&) = default;
 };
 
-/// A frame program and its settings.
+/// A frame program of an experiment, and its configuration settings.
 struct ProgramSetup {
   std::string name{};
   Sets sets{};

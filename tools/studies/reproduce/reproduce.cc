@@ -160,7 +160,7 @@ std::string heading_text(const Results& results) {
   return out;
 }
 
-/// Groups rows by experiment, in the order in which experiments first occur.
+/// Groups result rows by experiment, in the order in which experiments first occur.
 std::vector<Row> group_rows_by_experiment(std::vector<Row> rows) {
   std::vector<std::string> order;
   for (const Row& row : rows) {

@@ -74,7 +74,7 @@ bool needs_masks(std::string_view name);
 /// Formats a value with its unit: "42.13 dB", "1.83 x", "5.2 %", "200", "1.207 ms".
 std::string metric_text(const Metric& metric, double value);
 
-/// Options of `raywatt reproduce`.
+/// Command-line options of `raywatt reproduce`.
 struct Options {
   std::string paper;
   std::string config = "sgrt-2016";
@@ -94,7 +94,7 @@ struct Measured {
   std::string why_not{};
 };
 
-/// Measures the metrics of a paper's cases. Consecutive cases with the same scene, BVH or runs share these.
+/// Measures the metrics of a paper's cases. Consecutive cases share their scene, BVH and runs where these are equal.
 class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}

@@ -7,7 +7,7 @@
 
 namespace test {
 
-/// A regression suite of two runs. Their machine handles one ray at a time, so that a changed unit can be located.
+/// A regression suite of two runs on a machine that handles one ray at a time, so that a changed unit can be located.
 class BaselineSuite {
  public:
   explicit BaselineSuite(

@@ -14,7 +14,7 @@ namespace tools::sweep {
 /// process that computes the last slice of a point also joins the slices.
 class PointComputer {
  public:
-  /// `threads`: host threads for each point.
+  /// `threads`: host threads that simulate each point.
   PointComputer(const Store& store, std::uint32_t threads) : store_(store), threads_(threads) {}
 
   struct Order {

@@ -14,7 +14,7 @@
 
 namespace tools::sweep {
 
-/// Result of a batch of points.
+/// Result of computing a batch of points.
 struct BatchEnd {
   std::vector<PointStatus> statuses;  ///< statuses in the order of the batch's points
   double seconds = 0;                 ///< host time from the first point begun to the last one finished
@@ -96,7 +96,7 @@ struct LauncherOptions {
   std::uint64_t chunk = 0;
 };
 
-/// Throws InputError for options of another launcher.
+/// Throws InputError for options that belong to another launcher than the chosen one.
 void check_options(const LauncherOptions& options);
 std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, const sweep::SweepFolder& folder);
 

@@ -336,7 +336,7 @@ Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
   return marks;
 }
 
-/// Two figures of the same points under draws of the energy tables.
+/// Two figures of the same points under random draws of the energy tables.
 struct DrawnPair {
   BandedMetric x, y;
   std::vector<std::size_t> at;  ///< by row: its index in `x` and in `y`

@@ -27,7 +27,7 @@ struct BestOptions {
 /// command that runs it again. `points`: of the sweep. Throws InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
-/// A figure to minimise or maximise.
+/// A figure of the results to minimise or maximise.
 struct Objective {
   Column column;
   bool more_is_better = false;
@@ -46,7 +46,7 @@ struct ParetoFront {
   std::vector<std::size_t> other;  ///< rows that have both figures and are dominated
   std::vector<std::size_t> near;   ///< rows of `other` that may be on the front, given the noise
   std::vector<bool> sure{};        ///< by `rows`: the row is on the front in spite of the noise
-  /// Rows of the front, then all others.
+  /// Returns the rows of the Pareto front, followed by all others.
   std::vector<std::size_t> all_rows() const;
   /// Returns the mark of entry `i` of `rows` in the plot: a letter, or '#' if there are too many rows.
   char mark_of(std::size_t i) const;

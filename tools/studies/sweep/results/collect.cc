@@ -39,7 +39,7 @@ Value scalar_of(const Json& json) {
   return json.is_number_integer() ? Value(json.get<std::int64_t>()) : Value();
 }
 
-/// Adds all scalars with their paths: "totals.top_down.cores[2].boxes".
+/// Adds all scalars of a report with their paths, e.g. "totals.top_down.cores[2].boxes".
 void add_metrics(const Json& json, const std::string& path, MetricNames& names, ReportScan& scan) {
   if (json.is_array()) {
     for (std::size_t i = 0; i < json.size(); ++i) add_metrics(json[i], fmt::format("{}[{}]", path, i), names, scan);

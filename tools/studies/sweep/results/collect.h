@@ -26,7 +26,7 @@ Collected collect_results(const sweep::SweepFolder& folder);
 /// `consequence`.
 void collect_if_writable(const std::filesystem::path& sweep, std::string_view consequence);
 
-/// Returns "200 points: 198 done, 2 failed".
+/// Returns the numbers of points by status as text: "200 points: 198 done, 2 failed".
 std::string summary_text(const Collected& collected);
 
 /// Returns the status of a point for tables: Store::status_of(), except that a damaged failure file counts as failed.

@@ -42,7 +42,7 @@ std::map<std::string, std::string> read_facts(const SQLite::Database& index);
 Value to_value(const SQLite::Column& column);
 PointStatus parse_status(std::string_view name);
 
-/// A point in the index.
+/// A point of a sweep, as stored in the index.
 struct Row {
   std::int64_t n = 0;
   std::string id;
@@ -66,7 +66,7 @@ class Results {
 
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<std::string>& axes() const { return axes_; }
-  /// Folder of the point in the store.
+  /// Returns the folder of a point in the store.
   std::filesystem::path folder_of(const Row& row) const;
 
   /// Reads a column: "n", "id", "status", "error", an axis, or a path of report.json or an unambiguous end of one.

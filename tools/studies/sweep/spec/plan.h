@@ -59,7 +59,7 @@ class Planner {
   PointKeys keys_;
 };
 
-/// Called after each planned point.
+/// Called after each planned point with the numbers of planned points and of all points.
 using PlanProgress = std::function<void(std::size_t points, std::size_t of)>;
 
 /// Plans the points of a sweep, in order, with their keys. Throws InputError as Planner.

@@ -74,7 +74,7 @@ inline constexpr PointText kPointTexts[] = {
 
 /// Returns the slices of a point in order; none if the point is not divided into slices.
 std::vector<Point> slices_of(const Point& point);
-/// Returns the whole point of a slice.
+/// Returns the point that a slice was cut from.
 Point whole_point_of(const Point& slice);
 /// Returns the JSON whose hash is the id of a slice.
 sim::Json slice_identity(const Point& slice);
@@ -84,7 +84,7 @@ sim::Json slice_identity(const Point& slice);
 std::string format_point_line(const Point& point);
 Point parse_point_line(const std::string& line, const std::string& where);
 
-/// Digest of scenes that are not files.
+/// Digest that stands for scenes that are not files.
 inline constexpr std::string_view kBuiltIn = "built-in";
 
 /// Computes ids of points from all that their results depend on. Caches configurations and scene files, so that many

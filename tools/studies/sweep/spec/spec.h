@@ -121,7 +121,7 @@ struct Spec {
 
 /// Reads a sweep's file. Throws InputError of one line: file, line, column, key, what is wrong, what is allowed.
 Spec read_spec(const std::filesystem::path& file);
-/// Reads the part of another kind of file that describes a sweep. `other_keys`: keys that the caller reads.
+/// Reads those members of another kind of file that describe a sweep. `other_keys`: keys that the caller reads.
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> other_keys);
 
 }  // namespace tools::sweep

@@ -36,12 +36,12 @@ struct Failure {
 class Store {
  public:
   explicit Store(std::filesystem::path root) : root_(std::move(root)) {}
-  /// $RAYWATT_STORE, or raywatt-out/store.
+  /// Returns the default folder of the store: $RAYWATT_STORE, or raywatt-out/store.
   static std::filesystem::path default_root();
 
   const std::filesystem::path& root() const { return root_; }
   std::filesystem::path folder_of(const std::string& id) const;
-  /// File of the point's Failure.
+  /// Returns the path of the file that records the failure of a point.
   std::filesystem::path failure_file(const std::string& id) const;
   std::filesystem::path stream_file(const std::string& key) const { return root_ / "streams" / (key + ".trace"); }
 
@@ -59,7 +59,7 @@ class Store {
   /// unfinished and moves a damaged result to damaged/.
   std::optional<sim::FileLock> lock_point(const std::string& id) const;
   bool is_locked(const std::string& id) const;
-  /// Locks a stream that is to be recorded; nothing if another process holds it.
+  /// Locks a stream (recorded work) that is to be recorded; returns nothing if another process holds the lock.
   std::optional<sim::FileLock> lock_stream(const std::string& key) const;
 
   // These require the lock of the point or stream.
@@ -70,7 +70,7 @@ class Store {
   void remove_failure(const std::string& id) const;
   void remove_stream(const std::string& key) const;
 
-  /// Removes what killed processes have left unfinished.
+  /// Removes what killed processes have left unfinished in the store.
   void remove_stale() const;
 
  private:
@@ -120,7 +120,7 @@ class SweepFolder {
 
   /// Throws IoError if the folder was moved or removed during the run.
   void check_exists() const;
-  /// Appends a line to log/runs.jsonl.
+  /// Appends a line about a run of the sweep to log/runs.jsonl.
   void log_run(const sim::Json& run) const;
 
  private:
