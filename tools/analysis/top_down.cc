@@ -93,7 +93,7 @@ MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing,
           .blocked_bank = std::min(b.blocked_bank, l2) / latency};
 }
 
-/// Activity of the rays inside a T&I unit, as shares of the time in which a TRV holds rays.
+/// Activity of the rays inside a T&I unit, as shares of the time in which a traversal unit (TRV) holds rays.
 struct TniActivity {
   double boxes = 0, triangles = 0, misses = 0;
 };
@@ -428,8 +428,9 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Returns the fraction of the T&I unit's time with free ray slots that would remain with ideal shader cores. The ends
-/// of tiles always remain. The fraction grows with the time in which launches wait for ray slots of the tile buffer.
+/// Of the time in which the T&I unit has free ray slots, returns the fraction that would remain with ideal shader
+/// cores. The ends of tiles always remain. The fraction grows with the time in which launches wait for ray slots of the
+/// tile buffer.
 double remaining_free_slot_share(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));

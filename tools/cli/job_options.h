@@ -14,7 +14,7 @@ namespace tools {
 
 /// Adds the options shared by all verbs that render. `positional`: the configuration is a positional argument.
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
-/// Adds --rays, which excludes the options of a rendered run; these must be added before.
+/// Adds --rays, which excludes the options of a rendered run. Call it after these options have been added.
 void add_rays_option(CLI::App& verb, JobOptions& options);
 void add_timeline_option(CLI::App& verb, JobOptions& options);
 void add_reference_option(CLI::App& verb, JobOptions& options);

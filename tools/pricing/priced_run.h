@@ -71,8 +71,8 @@ class PricedRun {
   const RunConfig& config() const { return config_; }
   sim::EnergyReport energy() const { return formula_->compute_report(); }
   const WorkDone& work() const { return work_; }
-  /// Returns a warning for each kind of unit whose array size is outside a curve of the table, and for each clock whose
-  /// energies are for another voltage.
+  /// Returns a warning for each kind of unit whose array size is outside a curve of the energy table, and for each
+  /// clock whose energies are for another voltage.
   const std::vector<std::string>& extrapolation_warnings() const { return extrapolated_; }
 
   /// Returns the table entries that have a band.

@@ -68,8 +68,8 @@ struct RunResult {
   std::string finished_part_text(std::size_t all) const;
 };
 
-/// Returns the number of finished frames with which an interrupted run may replace an earlier result: that of a partial
-/// result, one more than that of a complete one, or 1 if there is none. `file`: report.json or verify.json.
+/// Returns how many finished frames an interrupted run needs to replace an earlier result: as many as a partial result
+/// has, one more than a complete result has, or 1 if there is none. `file`: report.json or verify.json.
 std::size_t min_frames_to_replace(const std::filesystem::path& file);
 
 /// Prints the `warnings` of a report to stderr, except the first `already_printed`, which were printed before.
@@ -104,7 +104,7 @@ class FrameSource {
   virtual bool has_reference() const = 0;
   /// Returns the number of simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
-  /// simulate() runs the program on the current frame; simulate_reference() runs the reference program on it.
+  /// Simulates the current frame with the run's program; simulate_reference() does so with the reference program.
   virtual FrameResult simulate(const SimulateOptions& extras) = 0;
   virtual FrameResult simulate_reference(const SimulateOptions& extras) = 0;
   /// Returns the mean squared difference between the current frame's picture and its reference picture.

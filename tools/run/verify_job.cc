@@ -36,7 +36,7 @@ std::string counts_text(const traces::VerifyCounts& counts) {
                      counts.distance_errors, counts.edge_ties);
 }
 
-/// Returns the JSON of a comparison. `squared_error`: mean over all channels of the pictures.
+/// Returns the comparison with Embree as JSON. `squared_error`: mean over all channels of the pictures.
 sim::Json comparison_json(const traces::VerifyCounts& counts, double squared_error) {
   const std::optional<double> psnr = psnr_db(squared_error);
   sim::Json json = counts_json(counts);

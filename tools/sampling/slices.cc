@@ -223,7 +223,8 @@ struct Work {
 };
 
 /// Returns the ratio of the frame's work to the work that its slices simulated: the mean of the ratios of steps and
-/// rays. Both differ, because tiles in flight at a border progress differently on the two machines.
+/// rays. The two ratios differ, because a tile in flight at a border between slices progresses differently on the
+/// machines of these slices.
 double work_ratio(const RenderResult& function, const Work& done) {
   return (static_cast<double>(function.traversal_steps) / done.steps +
           static_cast<double>(function.all_rays()) / done.rays) /

@@ -60,7 +60,7 @@ sim::Json slice_json(const SlicePart& part);
 /// names of units. Throws InputError if the JSON does not match the machine.
 SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 
-/// Number of slices that means: choose the number from the frame and the machine.
+/// Number of slices that requests an automatic choice from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
 /// Parses the number of slices: "8", or "auto" for kAutoSlices; throws InputError for other texts.

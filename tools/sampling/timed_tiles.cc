@@ -138,8 +138,9 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
 
 namespace {
 
-/// Length of a slice's lead, in thirds of the number of tiles in flight. The first tiles of a machine start together,
-/// unlike tiles in the middle of a frame. The lead lasts until this effect has decayed (docs/slices.md).
+/// Length of the lead of a slice (tiles that only fill the machine), in thirds of the number of tiles in flight. The
+/// first tiles of a machine start together, unlike tiles in the middle of a frame. The lead lasts until this effect has
+/// decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
 /// Frames and slices shorter than this number of leads get leads of twice the length, because errors at borders are a

@@ -47,7 +47,7 @@ class TimedTiles final : public hw::TileSource {
   const traces::TileWork* next() override;
   void release_work(const traces::TileWork* work) override;
   void note_dispatched(sim::Time now) override;
-  /// Sets the end of tiles still in flight. Call once, after the machine has finished.
+  /// Sets the end time of tiles that are still in flight. Call it once, after the machine has finished.
   void finish_tile_times();
 
   /// Returns the time and counters recorded at the dispatch of a marked tile.

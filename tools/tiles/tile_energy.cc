@@ -194,8 +194,8 @@ class TileWeights {
   std::size_t kind_count() const { return kinds_; }
   double tile_weight(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double weight_without_tile(std::size_t kind) const { return rest_[kind]; }
-  /// Returns a kind's total weight over the tiles of a core; without a core, over all tiles and requests without a
-  /// tile.
+  /// Returns the total weight of a kind of work over the tiles of a core; without a core, over all tiles and over
+  /// requests without a tile.
   double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
     double all = core ? 0 : rest_[kind];
     for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
@@ -272,7 +272,7 @@ class TileWeights {
 
 using Shares = std::vector<double>;
 
-/// Returns the core of a unit, by its path.
+/// Returns the number of the core that a unit belongs to, from the unit's path; none for a unit outside all cores.
 std::optional<std::uint32_t> core_of(std::string_view path) {
   constexpr std::string_view kCore = "core";
   std::uint32_t core = 0;

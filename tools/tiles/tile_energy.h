@@ -12,7 +12,7 @@
 
 namespace tools {
 
-/// Share of each tile in a frame's time. At any time, the tiles in flight on a core (on any core, if none is given)
+/// Share of each tile in a frame's time. At any time, the tiles in flight on a core (on all cores, if no core is given)
 /// share the time equally. The rest is time without tiles in flight.
 struct TileTimeShares {
   std::vector<double> tiles;  ///< share of each tile; 0 for tiles of other cores

@@ -221,7 +221,8 @@ class TimelineTracks {
     lane->free_at = slice.end;
     return lane->id;
   }
-  /// Adds a counter to the process shared by all cores, or with core_counter() to a core's. Returns its track.
+  /// Adds a counter to the process shared by all cores and returns the counter's track; core_counter() adds one to the
+  /// process of a core.
   std::uint64_t shared_counter(const std::string& name, const std::string& unit) {
     return new_track(shared_process(), name, kOfCounters, unit);
   }

@@ -127,7 +127,7 @@ class RunWatcher {
   /// Called before a machine's first cycle, with its units and the intervals that it records.
   virtual void begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) = 0;
   bool frame_requested() const { return requested_.load(std::memory_order_relaxed); }
-  /// Called with the picture so far, in linear light.
+  /// Called with the picture rendered so far, as linear RGB.
   virtual void publish_frame(std::span<const float> rgb) = 0;
 
  protected:
@@ -139,7 +139,7 @@ class RunWatcher {
 struct ProgressBase {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;
-  /// Reports these sums as the progress of the frame; no effect if `progress` is null.
+  /// Reports the sums in this object as the progress of the frame; no effect if `progress` is null.
   void report_to(Progress* progress) const {
     if (progress != nullptr) progress->set_tiles_done(tiles, rays, cycles);
   }
@@ -156,7 +156,7 @@ class RunTiles final : public hw::TileSource {
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
 
-  /// Records the work of each tile; either argument may be null.
+  /// Sets the objects that record the work of each tile; either argument may be null.
   void set_recorders(traces::TraceWriter* trace, InMemoryTrace* kept) { trace_ = trace, kept_ = kept; }
   void begin_part(const char* phase, std::uint32_t frame) const;
   void set_gpu(const hw::Gpu& gpu) { gpu_ = &gpu; }

@@ -96,7 +96,7 @@ struct SampledFrame {
 /// slices.
 struct SlicedFrame {
   std::uint32_t slices = 1;
-  /// Number of all tiles; of tiles that are simulated again to fill a machine; of tiles that warm its caches.
+  /// Numbers of tiles: of the frame; simulated again to fill the machine of a slice; that only warm caches.
   std::uint64_t tiles = 0, again = 0, warmed = 0;
   Interval cycles, energy_pj;
   std::vector<double> seconds;  ///< host CPU seconds of each slice's thread

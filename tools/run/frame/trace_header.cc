@@ -114,7 +114,7 @@ void read_counts(const Json& json, const char* key, Array& numbers) {
   }
 }
 
-/// Reorders counts of checks from the order in memory to the order in files, or back.
+/// Reorders counts of similarity checks from their order in memory to that in trace files, or back.
 template <class Counts>
 Counts reorder_checks(const Counts& counts, bool is_from_file) {
   using enum kernels::Check;

@@ -10,7 +10,7 @@ namespace tools {
 // Writing and reading of the JSON in a trace file. The recorded work itself is in traces/trace_file
 // (docs/trace-format.md).
 
-/// Returns the header of a trace of these inputs.
+/// Returns the JSON header of a trace that is recorded from these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
 /// Returns, as JSON, counts of the frame program for a part of a trace (one frame, or its reference), such as samples
 /// traced. The recorded work lacks these counts.

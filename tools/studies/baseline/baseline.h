@@ -16,9 +16,10 @@ struct BaselineOptions {
 /// InputError if values are already stored, unless `force` is set.
 int record_baseline(const BaselineOptions& options);
 /// Simulates a suite and compares its values with the stored ones. Returns kGood, or kCheckFailed if a run failed or a
-/// value moved. Throws InputError if the stored values were measured on other scenes or programs.
+/// value changed beyond its tolerance. Throws InputError if the stored values were measured on other scenes or
+/// programs.
 int check_baseline(const BaselineOptions& options);
-/// Simulates a suite, prints the values that moved and stores the new ones. Returns kGood, or kCheckFailed without
+/// Simulates a suite, prints the values that changed and stores the new ones. Returns kGood, or kCheckFailed without
 /// storing if a run failed.
 int accept_baseline(const BaselineOptions& options);
 

@@ -577,8 +577,8 @@ double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::s
 struct Traffic {
   double requested = 0, served = 0;
   double request_time = 0, service_time = 0;
-  /// Returns the time that requests spent between the two levels. Returns nothing if the levels did not count the same
-  /// requests, because the lower level also served others, or if the time would be negative.
+  /// Returns the time that requests spent between the two memory levels. Returns nothing if the time would be negative,
+  /// or if the levels did not count the same requests because other units also send requests to the lower level.
   std::optional<double> time_between() const {
     if (requested != served || request_time < service_time) return {};
     return request_time - service_time;

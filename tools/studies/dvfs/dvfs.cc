@@ -69,7 +69,7 @@ void choose_points(DvfsCurve& curve, double period_ms) {
 
 namespace {
 
-/// Ratio of neighbouring clock factors below which the search stops.
+/// Ratio of neighbouring clock factors below which the search for the best clocks stops.
 constexpr double kFactorStep = 1.005;
 
 /// Adds the geometric mean of the clock factors of points `i` and `k` to `out`, unless the points are close.

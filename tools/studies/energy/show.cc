@@ -203,7 +203,8 @@ class Users {
     for (const auto& [kind, count] : kinds) out.insert(fmt::format("{} units {}", count, kind));
     return out;
   }
-  /// Returns the kinds of unit that contain the hardware described by an entry, with its number per unit.
+  /// Returns the kinds of unit that contain the hardware described by an entry, as text: the number of units, and how
+  /// often each contains this hardware.
   std::set<std::string> unit_kinds_containing(const std::string& entry) const {
     std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {

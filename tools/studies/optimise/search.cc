@@ -113,7 +113,7 @@ class Search::Models {
   }
 
  private:
-  /// Returns the logarithm of the expected gain (rule 3).
+  /// Returns the logarithm of the expected gain: the improvement over the best feasible point, or the hypervolume gain.
   double log_gain(const Estimated& e) const {
     if (search_.objectives_ == 1) {
       return log_expected_gain({as_maximised(e.metrics[0].mean, 0), e.metrics[0].deviation}, best_);

@@ -56,7 +56,7 @@ class SearchRun {
   std::vector<const Trial*> pareto_front() const;
   /// Returns the simulated point with the smallest violation of the constraints; null if nothing could be simulated.
   const Trial* least_infeasible() const;
-  /// Goals; their metrics have full report paths after the first report.
+  /// Returns the goals. Their metrics are full report paths once a report has been read.
   const std::vector<Goal>& goals() const { return task_.goals; }
   std::uint64_t simulated_count() const { return simulated_; }  ///< excluding first looks
   std::uint64_t computed_count() const { return computed_; }    ///< trials that were not in the store
@@ -66,7 +66,7 @@ class SearchRun {
   /// Simulates points and adds their results to the search. Returns false if interrupted.
   bool compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
                       const sweep::Store& store, const Hooks& hooks);
-  /// Simulates the possible points and reads their metrics. Returns false if interrupted.
+  /// Simulates those points that are possible and reads their metrics. Returns false if interrupted.
   bool simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
                        const Hooks& hooks);
   /// Reads the metrics of a report. A missing metric sets the status to kFailed.

@@ -71,8 +71,8 @@ double GaussianProcess::covariance_of(const Choice& a, const Choice& b) const {
   return matern_5_2(distance2);
 }
 
-/// Solves with the current parameters. Errors are absolute but the variance of the process follows from the solution,
-/// so the weight of the errors is found in a few iterations.
+/// Solves the model's equations with the current parameters. Errors are absolute, but the variance of the process
+/// follows from the solution, so the weight of the errors is found in a few iterations.
 GaussianProcess::Solution GaussianProcess::solve_model(std::span<const Observation> observations) {
   Solution s = solve_model(observations, 1);
   const bool has_noise = std::ranges::any_of(observations, [](const Observation& o) { return o.variance > 0; });
@@ -180,7 +180,7 @@ void GaussianProcess::add_pseudo_observation(const Choice& point, double value) 
 
 namespace {
 
-/// Prior standard deviation of a look's error, as a share of the standard deviation of the values.
+/// Prior standard deviation of the error of a first look, as a share of the standard deviation of the values.
 constexpr double kLookDeviation = 0.1;
 
 double mean_of(std::span<const double> values) {

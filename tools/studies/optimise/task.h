@@ -23,12 +23,12 @@ struct Goal {
   /// True if the value meets the constraint. Objectives are always met.
   bool is_met(double value) const;
   std::string text() const;
-  /// Title of the column of distances: "room to < 1.4".
+  /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;
-  /// Returns the distance of a value from the limit, as a share of the limit if that is not 0. Negative if the
+  /// Returns the distance of a value from the goal's limit, divided by the limit if the limit is not 0. Negative if the
   /// constraint is violated.
   double distance_to_limit(double value) const;
-  /// Returns the distance as text: "1.7 %", "-0.25".
+  /// Returns distance_to_limit() as text: "1.7 %", "-0.25".
   std::string distance_text(double value) const;
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }

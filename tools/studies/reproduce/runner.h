@@ -60,8 +60,8 @@ struct Metric {
   std::string_view meaning;
   Shown shown;
   bool machine;  ///< true: the metric needs cycles or energy of the machine
-  /// Computes the metric. Nothing if it is not defined, such as the PSNR of a picture that is identical to its
-  /// reference.
+  /// Computes the metric. Returns nothing if the metric is not defined, such as the PSNR of a picture that is identical
+  /// to its reference.
   std::optional<double> (*measure)(const Comparison&);
 };
 

@@ -68,8 +68,8 @@ Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   return {sim::read_file(file, 1 << 20), sweep::plan_points(spec, file.parent_path(), tell), spec.slurm};
 }
 
-/// Reads the points of a folder and updates their keys; plans them again if the former run was killed before it had
-/// any.
+/// Reads the points of a folder and updates their keys; plans them again if an earlier run was killed before it had
+/// stored any.
 Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
   const fs::path file = folder.path() / "sweep.yaml";
   Planned planned{sim::read_file(file, 1 << 20), folder.read_points(), folder.slurm_arguments()};
@@ -238,8 +238,8 @@ int run_sweep(const SweepOptions& options) {
 
 namespace {
 
-/// Reads the ids of each line of a list; without a list, each point of the sweep is a line. Cut points are replaced by
-/// their slices.
+/// Returns the ids of points on each line of the file `list`; without a file, each point of the sweep is a line. Points
+/// that are cut into slices are replaced by their slices.
 std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points, const fs::path& list) {
   std::vector<std::vector<std::string>> ids;
   if (list.empty()) {
@@ -389,7 +389,7 @@ std::uint64_t missing_pieces(const sim::Json& status) {
   return slices == status.end() ? count_of(status, "missing") : count_of(*slices, "slices") - count_of(*slices, "done");
 }
 
-/// Live view of the counts of a sweep.
+/// Live view of a sweep: the numbers of its points by status.
 class SweepView final : public View {
  public:
   void set_counts(std::string counts) {

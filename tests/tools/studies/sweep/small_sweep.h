@@ -13,9 +13,9 @@ namespace test {
 std::filesystem::path write_sweep(const TempFolder& folder, const std::string& lines,
                                   const std::string& name = "sweep.yaml");
 
-/// Returns the points of a small sweep (write_sweep()) of these lines.
+/// Returns the points of a small sweep (write_sweep()) whose file has these lines.
 std::vector<tools::sweep::Point> points_of(const std::string& lines);
-/// Returns the error message for a small sweep of these lines; empty if it is valid.
+/// Returns the error message for a small sweep whose file has these lines; empty if it is valid.
 std::string complaint_of(const std::string& lines);
 
 /// Returns the arguments of `raywatt sweep run` for a sweep file, with results in folder/out and store folder/store.

@@ -93,7 +93,7 @@ class Launcher::CutBatch {
     point_of_.push_back(point);
   }
 
-  /// Joins slices that the worker of the last one has not joined.
+  /// Joins the slices of points whose last slice's worker ended before it had joined them.
   void join_slices(BatchEnd& end, const PointWatch& watch) {
     std::vector<Point> wholes;
     std::vector<std::size_t> indices;
@@ -162,7 +162,7 @@ std::uint64_t size_of(const std::filesystem::path& file) {
   return missing ? 0 : size;
 }
 
-/// Returns the last lines of a log after `begin`, printable.
+/// Returns the last lines of a worker's log after offset `begin`, with unsafe characters replaced.
 std::string read_log_tail(const std::filesystem::path& file, std::uint64_t begin) {
   const std::uint64_t size = size_of(file);
   std::ifstream stream(file, std::ios::binary);
@@ -172,7 +172,7 @@ std::string read_log_tail(const std::filesystem::path& file, std::uint64_t begin
   return tail;
 }
 
-/// Worker processes, connected by sockets.
+/// Launcher that computes points in worker processes on this host, which are connected by sockets.
 class LocalLauncher final : public Launcher {
  public:
   LocalLauncher(const Store& store, const LocalOptions& options)
@@ -256,7 +256,7 @@ class LocalLauncher final : public Launcher {
       int attempt = 1;
       bool locked = false;  ///< another process was computing it at the last attempt
     };
-    /// Points that share a recorded stream.
+    /// Points of a batch that replay the same recorded work (stream).
     struct Group {
       enum class State : std::uint8_t { kUnrecorded, kRecording, kReady, kImpossible } state = State::kUnrecorded;
       std::size_t left = 0;                 ///< points that have not ended
@@ -309,7 +309,7 @@ class LocalLauncher final : public Launcher {
       launcher_.store_.remove_stream(points_[p].stream);
     }
 
-    /// Removes streams that a killed run has left and no point needs.
+    /// Removes streams (recorded work) that a killed run has left and that no point needs.
     void remove_unused_streams() {
       if (launcher_.options_.keep_streams) return;
       for (const Point& point : points_) {
@@ -353,7 +353,7 @@ class LocalLauncher final : public Launcher {
                                    {"attempt", order.attempt}});
     }
 
-    /// Waits for messages of workers.
+    /// Waits a while for messages from workers and handles them.
     void poll_workers() {
       std::vector<pollfd> sockets;
       std::vector<std::size_t> polled;
@@ -409,7 +409,7 @@ class LocalLauncher final : public Launcher {
     const std::span<const Point> points_;
     const PointWatch& watch_;
     std::vector<Waiting> waiting_;
-    /// For the first point with an id: the later points with the same id.
+    /// Later points with the same id, by the first point with this id.
     std::multimap<std::size_t, std::size_t> twins_;
     std::map<std::size_t, int> attempts_;
     std::map<std::string, Group> groups_;            ///< groups of points by key of their stream
@@ -439,7 +439,7 @@ class LocalLauncher final : public Launcher {
     ::close(sockets[1]);
     worker.socket = sockets[0];
   }
-  /// Waits until the process has ended; returns its status as waitpid() does.
+  /// Waits until the worker process has ended; returns its status as waitpid() does.
   int reap_worker(Worker& worker) {
     int status = 0;
     ::close(worker.socket);

@@ -60,7 +60,7 @@ class Launcher {
   bool needs_computing(PointStatus status) const {
     return !is_done(status) && (retry_failed_ || status != PointStatus::kFailed);
   }
-  /// Removes the recorded failure of a point, so that a failure found later is a new one.
+  /// Removes the recorded failure of a point, so that a failure recorded later is known to be new.
   void remove_failure(const Point& point) const;
 
   const Store store_;
@@ -79,8 +79,9 @@ struct LocalOptions {
   std::filesystem::path log{};  ///< folder for the output of workers; empty: it is discarded
 };
 
-/// Returns a launcher of worker processes on this host, which live as long as it does and compute one point after the
-/// other. A worker that crashes fails only its point. The calling process should have one thread, because it forks.
+/// Returns a launcher that computes points in worker processes on this host. Workers live as long as the launcher and
+/// compute one point after the other. A worker that crashes fails only its point. The calling process should have one
+/// thread, because it forks.
 std::unique_ptr<Launcher> make_local_launcher(const Store& store, const LocalOptions& options);
 
 }  // namespace tools::sweep

@@ -206,7 +206,7 @@ struct SlurmQueue {
   std::set<std::string> reasons;           ///< why tasks wait
 };
 
-/// Returns the path of the folder without symbolic links, as squeue prints it.
+/// Returns the path of the sweep's folder without symbolic links, as squeue prints it.
 fs::path canonical_path(const SweepFolder& folder) { return fs::canonical(folder.path()); }
 
 std::vector<std::string> read_lines(const fs::path& file) {
@@ -396,7 +396,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// Reads the queue; tolerates a controller that does not answer for a while.
+/// Reads the queue of Slurm, and tolerates a controller that does not answer for a while.
 class PatientQueue {
  public:
   explicit PatientQueue(const SweepFolder& folder) : folder_(folder) {}

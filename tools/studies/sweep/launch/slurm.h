@@ -34,11 +34,11 @@ class SlurmLauncher final : public Launcher {
     std::uint64_t queued = 0;       ///< points of earlier submissions that wait or are being computed
   };
   /// Submits the points that have neither a result nor a failure and are not in the queue, and returns. Throws
-  /// InputError with the message of Slurm if it refuses; what was submitted before goes on.
+  /// InputError with the message of Slurm if it refuses; jobs that were submitted before then continue.
   Submitted submit_points(std::span<const Point> points);
 
  private:
-  /// Submits the points and waits until they have ended. After an interrupt the jobs go on. Points whose tasks were
+  /// Submits the points and waits until they have ended. After an interrupt the jobs continue. Points whose tasks were
   /// stopped stay kMissing.
   BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) override;
   std::string submit_array(std::span<const std::string> lines);

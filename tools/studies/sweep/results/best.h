@@ -24,7 +24,7 @@ struct BestOptions {
   bool band = false;  ///< also compute energies under random draws of the energy tables
 };
 /// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
-/// command that runs it again. `points`: of the sweep. Throws InputError if no point meets the conditions.
+/// command that runs it again. `points`: all points of the sweep. Throws InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
 /// A figure of the results to minimise or maximise.
@@ -56,8 +56,8 @@ struct ParetoFront {
 ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected);
 
 /// Returns the rows of `front.other` that no other row dominates significantly, at 5 % for all comparisons of a row
-/// together. `sure`: if not empty, a row dominates
-/// another only if it does so under the draws of the energy tables, too.
+/// together. `sure`: if not empty, a row dominates another only if it also does so under the random draws of the energy
+/// tables.
 std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                          const FigureNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure);
@@ -68,7 +68,7 @@ struct ParetoOptions {
   bool csv = false;
   bool band = false;  ///< also compute energies under random draws of the energy tables
 };
-/// Returns the plot and the table of the front, or the front as CSV.
+/// Returns the plot and the table of the Pareto front, or the front as CSV.
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);
 
 }  // namespace tools::results

@@ -95,7 +95,7 @@ namespace {
 struct ListedPoint {
   std::int64_t n = 0;
   std::string id;
-  /// Name and value: its axes, then scene, program and so on where they are no axes.
+  /// Names and values of the point: its axes, then scene, program and so on unless these are axes.
   std::vector<std::pair<std::string, std::string>> axes;
 };
 
@@ -131,7 +131,7 @@ PointState damaged_state(std::string why) {
   return state;
 }
 
-/// Reads a point from the store. A report that is malformed or not finished is damaged.
+/// Reads a point from the store. A point with a malformed or unfinished report counts as damaged.
 PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names) try {
   PointState state;
   if (const std::optional<std::string> report = store.read_report(id)) {
@@ -168,10 +168,10 @@ struct Collection {
   std::vector<std::vector<Value>> columns;  ///< values by metric, then by point
 };
 
-/// Reads all points on all cores. The result does not depend on the number of cores.
+/// Reads all points of a sweep from the store, on all host cores. The result does not depend on their number.
 Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& store) {
   constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
-  /// The metrics that one thread has found. `global`: the number in the collection of each metric of `names`.
+  /// The metrics that one reader thread has found. `global`: number in the whole collection of each metric of `names`.
   struct Reader {
     MetricNames names;
     std::vector<std::uint32_t> global;
@@ -255,7 +255,7 @@ void bind_value(SQLite::Statement& statement, int parameter, const Value& value)
   }
 }
 
-/// Inserts a row.
+/// Executes an SQL statement that inserts a row of values.
 void insert_row(SQLite::Statement& statement, std::span<const Value> values) {
   for (int parameter = 1; const Value& value : values) bind_value(statement, parameter++, value);
   statement.exec();
@@ -341,7 +341,7 @@ class CellReader {
     cells_.bind(1, number);
     has_next_ = cells_.executeStep();
   }
-  /// Returns the value of a point, which follows the points of earlier calls.
+  /// Returns the cell of point `n`. Points must be read in ascending order.
   Value read_value(std::int64_t n) {
     if (!has_next_ || cells_.getColumn(0).getInt64() != n) return {};
     Value value = to_value(cells_.getColumn(1));
@@ -367,8 +367,8 @@ const char* unit_of_axis(const SQLite::Database& index, std::int64_t axis) {
   return nullptr;
 }
 
-/// Exports results.csv: one row a point, with its axes, axes with a unit as numbers too, and every metric by name.
-/// Contains nothing of the host and no errors, so equal sweeps have equal bytes.
+/// Exports results.csv: one row per point with its axis values (those with a unit also as numbers) and all metrics.
+/// Leaves out host data and errors, so that equal sweeps give equal bytes.
 std::string export_csv(const SQLite::Database& index) {
   std::vector<std::string> header = {"n", "id", "status"};
   std::vector<CellReader> texts, numbers, metrics;

@@ -20,7 +20,7 @@ struct BandedMetric {
   bool is_better(double a, double b) const { return more_is_better ? a > b : a < b; }
   /// Returns the ratio of two points under the low, nominal and high tables: "0.981 / 0.975 / 0.969".
   std::string ratio_text(std::size_t point, std::size_t other) const;
-  /// Orders the points from best to worst under nominal tables, as indices of `rows`.
+  /// Returns the points from best to worst under nominal tables, as indices into `rows`.
   std::vector<std::size_t> rank_points() const;
 };
 

@@ -12,7 +12,7 @@ class Json;
 
 namespace tools::results {
 
-/// Significance level of all statements on noise.
+/// Significance level of all tests of differences against noise.
 inline constexpr double kError = 0.05;
 
 /// Noise of a figure at some points of a sweep: measured if all of them have replicates, otherwise assumed for the size
@@ -44,7 +44,7 @@ class FigureNoise {
   double least_ = 0, most_ = 0;       ///< range of the assumed noise, or of the number of replicates
 };
 
-/// Returns "± 0.52 %", half of the 95 % interval of the value of a point.
+/// Returns the half-width of the 95 % interval of a point's value as text: "± 0.52 %".
 std::string interval_text(const FigureNoise& noise, std::size_t row);
 
 // Notes below a table of results; empty if there is nothing to note.

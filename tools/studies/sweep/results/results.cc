@@ -248,7 +248,7 @@ Column column_of_means(const Results& results, const std::string& path) {
 
 namespace {
 
-/// Returns "mm2" of "12mm2"; empty for a text that does not begin with a number.
+/// Returns the text after the number in a value: "mm2" for "12mm2". Empty for a text that does not begin with a number.
 std::string unknown_unit(std::string_view text) {
   double number = 0;
   const auto [end, bad] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -428,7 +428,7 @@ namespace {
 constexpr const char* kUsualColumns[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
                                          "perf.frames_per_joule_gpu"};
 
-/// Returns the CSV columns of a figure: mean and interval if there are replicates, else the figure.
+/// Returns the CSV columns of a figure: mean and interval if there are replicates, otherwise only the figure.
 std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
   const std::string at = fmt::format("totals.replicates.figures.{}.", figure);
   if (!results.has_metric(at + "mean")) return {figure};

@@ -74,7 +74,7 @@ class Results {
   /// nearest.
   Column column(std::string_view text) const;
   bool has_metric(std::string_view path) const;
-  /// Columns of the axes with more than one value.
+  /// Returns a column for each axis with more than one value.
   std::vector<Column> varying_axes() const;
   /// Returns how many points have no result, by status, as one line; empty if all have one.
   std::string missing_text() const;
@@ -96,8 +96,8 @@ class Results {
 Column column_of_means(const Results& results, const std::string& path);
 
 /// Returns for each point whether it meets all conditions ("power_w.nominal<1 and cores>=2"), with means of replicates.
-/// A point that lacks a compared value does not. Throws InputError for unknown paths and values that cannot be
-/// compared.
+/// A point that lacks a compared value does not meet the condition. Throws InputError for unknown paths and values that
+/// cannot be compared.
 std::vector<bool> rows_meeting(const Results& results, const std::vector<std::string>& conditions);
 /// Lists the paths that conditions compare, each once.
 std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);

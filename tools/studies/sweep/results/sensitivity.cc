@@ -100,7 +100,7 @@ bool is_full_grid(const std::vector<Factor>& factors, std::size_t points) {
   return combinations == points && found.size() == points;
 }
 
-/// Joins neighbouring levels into groups with about the same number of points.
+/// Joins neighbouring levels of an axis into groups with about the same number of points.
 void group_levels(Factor& factor, std::size_t groups) {
   std::vector<std::size_t> count(factor.levels.size()), group_of(factor.levels.size());
   for (const std::size_t level : factor.at) ++count[level];
@@ -181,7 +181,7 @@ class AdditiveModel {
   }
 
  private:
-  /// Fits one factor; returns the largest change of an effect.
+  /// Fits the effects of one axis (factor) to the residuals of the others; returns the largest change of an effect.
   double fit_factor(std::size_t f) {
     const Factor& factor = factors_[f];
     std::vector<double> sums(factor.levels.size()), counts(factor.levels.size());
@@ -260,9 +260,9 @@ struct VarianceShares {
   double noise = 0;
 };
 
-/// Returns the share of the variance of each axis and of noise. What chance explains is subtracted from an axis once
-/// for each of its degrees of freedom: on a full grid `variance`, the noise variance of a value; otherwise at least the
-/// residual variance.
+/// Returns the shares of the variance that each axis and noise explain. For each degree of freedom of an axis, the
+/// variance due to chance is subtracted: `variance` (the noise of a value), but off a full grid at least the residual
+/// variance.
 VarianceShares shares_of(const Factors& factors, const std::vector<double>& values, double variance) {
   const double total = sum_of_squares(values);
   VarianceShares out{std::vector<double>(factors.list.size()), 0};

@@ -27,7 +27,7 @@ constexpr std::array<Sign, 7> kSigns = {{{"<=", Comparison::kLessEqual},
                                          {">", Comparison::kGreater},
                                          {"=", Comparison::kEqual}}};
 
-/// Returns the sign that the text begins with; null if it begins with none.
+/// Returns the comparison sign that the text begins with; null if it begins with none.
 const Sign* find_sign(std::string_view text) {
   const auto sign = std::ranges::find_if(kSigns, [&](const Sign& s) { return text.starts_with(s.first); });
   return sign == kSigns.end() ? nullptr : &*sign;
@@ -75,7 +75,7 @@ class ConditionReader {
     return word;
   }
 
-  /// Reads `and`. `value`: the value before it, for messages.
+  /// Reads the word `and` between two comparisons. `value`: value before the word, for error messages.
   void read_and(const std::string& value) {
     const std::size_t begin = at_;
     while (!at_end() && is_of_word(text_[at_])) ++at_;

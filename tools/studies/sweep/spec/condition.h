@@ -15,7 +15,7 @@ struct Magnitude {
   enum class Kind : std::uint8_t { kNumber, kFrequency, kBytes, kTime } kind = Kind::kNumber;
   double value = 0;  ///< value in base units: hertz, bytes, femtoseconds
 };
-/// Reads "2", "8 KiB", "500 MHz"; nothing for any other text.
+/// Parses a number with or without a unit, such as "2", "8 KiB" or "500 MHz". Returns nothing for other text.
 std::optional<Magnitude> parse_magnitude(std::string_view text);
 
 /// A value of an axis or a figure: absent, a whole number, a real number or a text.
@@ -24,9 +24,10 @@ using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 inline bool is_absent(const Value& value) { return std::holds_alternative<std::monostate>(value); }
 /// Returns the text, the shortest decimals that read back exactly, or "".
 std::string exact_text(const Value& value);
-/// Returns the magnitude of a number, or of a text that is one and finite.
+/// Returns the number and the kind of unit of a value that is a number or a text such as "8 KiB"; nothing for other
+/// values.
 std::optional<Magnitude> magnitude_of(const Value& value);
-/// Order of a column: numbers by amount, then texts, then absent values.
+/// True if a sorted column has `a` before `b`: numbers by amount, then texts, then absent values.
 bool sorts_before(const Value& a, const Value& b);
 
 // The language of conditions in a sweep's file (`exclude`, `where`) and on the command line (`--where`).
@@ -47,8 +48,8 @@ struct Operand {
   explicit Operand(const Value& value) : text(exact_text(value)), magnitude(magnitude_of(value)) {}
 };
 
-/// Compares two values: numbers by magnitude, all else by text. Nothing for two magnitudes of different kinds, and if
-/// an order is needed for anything but two numbers.
+/// Compares two values: numbers by magnitude, all others by text. Returns nothing for numbers with units of different
+/// kinds, and for comparisons that need an order of anything but two numbers.
 std::optional<bool> compare(const Operand& left, Comparison comparison, const Operand& right);
 
 /// One comparison of a condition, before names are looked up.

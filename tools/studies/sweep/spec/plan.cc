@@ -52,12 +52,12 @@ bool meets_condition(const AxisCondition& condition, std::span<const std::uint32
 
 namespace {
 
-/// True if the outcome of the term is known for every value on its left.
+/// True if the outcome of a term of a condition is known in advance for every value of the axis on its left.
 bool is_known(const Term& term) {
   return !term.right && std::ranges::all_of(term.outcomes, [](const auto& outcome) { return outcome.has_value(); });
 }
 
-/// True if the term can be evaluated for every combination of values.
+/// True if the term can be evaluated for every combination of axis values without an error.
 bool can_always_compare(const Term& term) {
   if (!term.right) return is_known(term);
   if (!needs_order(term.comparison)) return true;
@@ -66,8 +66,8 @@ bool can_always_compare(const Term& term) {
   return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
 }
 
-/// Considers the terms of a condition whose outcome is known for every value of the axis. Returns the one that holds
-/// for the fewest values. Null if there is none, or if a term before it in the condition may throw an InputError.
+/// Returns that term of a condition that holds for the fewest values, among the terms whose outcome is known for every
+/// value of the axis. Returns null if there is none, or if an earlier term of the condition may throw an InputError.
 const Term* find_rarest_term(const AxisCondition& condition) {
   const Term* best = nullptr;
   std::ptrdiff_t least = 0;
@@ -239,7 +239,7 @@ void check_value(const RunConfig& base, const std::string& key, const std::strin
   if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
 }
 
-/// Calls `call`. Adds the position of `key` in the sweep's file to an InputError.
+/// Calls `call`. Adds the position of `key` in the sweep's file to an InputError that `call` throws.
 void at_key(const Spec& spec, const std::string& key, auto&& call) {
   try {
     call();
@@ -272,7 +272,7 @@ void check_values(const Spec& spec, const RunConfig& base) {
   }
 }
 
-/// Refuses options that do not go with slices.
+/// Throws InputError for options of a sweep that cannot be combined with slices.
 void check_slicing(const Spec& spec) {
   at_key(spec, "slices", [&] {
     const auto refuse = [](const char* key, const char* why) {

@@ -14,14 +14,14 @@ namespace tools::sweep {
 bool meets_condition(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
 /// Tests whether any of many conditions holds. Conditions are indexed by the term that holds for the fewest values, so
-/// that most are never evaluated: a small file can have thousands. Refers to the conditions.
+/// that most are never evaluated: a small file can have thousands. The conditions must outlive this object.
 class AnyCondition {
  public:
   AnyCondition(std::span<const AxisCondition> conditions, std::span<const Axis> axes);
   bool meets_any(std::span<const std::uint32_t> choice) const;
 
  private:
-  /// Conditions by axis and value of a term that must hold.
+  /// Conditions that require a value of an axis, by axis and by that value.
   std::vector<std::vector<std::vector<const AxisCondition*>>> by_value_;
   std::vector<const AxisCondition*> others_;  ///< conditions without a known term
 };
@@ -49,7 +49,7 @@ class Planner {
   /// Makes the point of a combination of axis values, with its keys and n = 0. If its values contradict each other, the
   /// point has an error.
   Point make_point(const Choice& choice);
-  /// Makes the point of a combination with this tile sampling in place of the spec's.
+  /// Makes the point of a combination of axis values, with this tile sampling instead of that of the spec.
   Point make_point(const Choice& choice, const std::string& tile_sampling);
 
  private:

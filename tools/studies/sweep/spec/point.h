@@ -79,16 +79,16 @@ Point whole_point_of(const Point& slice);
 /// Returns the JSON whose hash is the id of a slice.
 sim::Json slice_identity(const Point& slice);
 
-/// Convert a point to a line of points.jsonl and back, without the line end. Errors are InputErrors that begin with
-/// `where`.
+/// Converts a point to a line of points.jsonl, without the line end. parse_point_line() converts it back; its
+/// InputErrors begin with `where`.
 std::string format_point_line(const Point& point);
 Point parse_point_line(const std::string& line, const std::string& where);
 
 /// Digest that stands for scenes that are not files.
 inline constexpr std::string_view kBuiltIn = "built-in";
 
-/// Computes ids of points from all that their results depend on. Caches configurations and scene files, so that many
-/// points take no longer than one.
+/// Computes ids of points from all that their results depend on. Caches configurations and scene files, because many
+/// points share them.
 class PointKeys {
  public:
   struct Key {
@@ -97,8 +97,8 @@ class PointKeys {
     std::string stream;  ///< as in Point
   };
 
-  /// Returns the effective configuration, valid until the next call of a member. Throws InputError if its values do not
-  /// go together.
+  /// Returns the effective configuration of a point, valid until the next call of a member function. Throws InputError
+  /// if the point's values contradict each other.
   const RunConfig& config_of(const Point& point);
   /// Returns id and stream key of a point. Throws InputError like config_of().
   Key key_of(const Point& point);

@@ -145,7 +145,7 @@ bool is_whole_number_key(const std::string& key) {
   return false;
 }
 
-/// The values of {from, to, step | count | factor, scale}.
+/// Values of an axis that is given as a range: {from, to, step | count | factor, scale}.
 class Range {
  public:
   explicit Range(const YamlValue& value) : value_(value) {
@@ -236,7 +236,7 @@ Axis::Value read_row(const YamlValue& value, const Axis& axis) {
   return row;
 }
 
-/// Reads [a, b], [[a, b], [c, d]], {name: a} or {name: [a, b]}.
+/// Reads the values of an axis in one of the forms [a, b], [[a, b], [c, d]], {name: a} or {name: [a, b]}.
 void read_values(const YamlValue& value, Axis& axis) {
   const bool named = value.is_mapping();
   for (const YamlValue& item : named ? value.entries() : value.items()) {
@@ -271,7 +271,8 @@ Axis read_list(const std::string& key, const YamlValue& value) {
   return axis;
 }
 
-/// Reads KEY: [values], KEY: {from, to, step | count | factor, scale} or NAME: {keys: [...], values: ...}.
+/// Reads an axis in one of the forms KEY: [values], KEY: {from, to, step | count | factor, scale} or NAME: {keys:
+/// [...], values: ...}.
 Axis read_axis(const YamlValue& value) {
   if (value.is_list()) return read_list(value.key(), value);
   constexpr std::array<std::string_view, 8> kKeys = {"keys", "values", "from",  "to",
@@ -395,7 +396,7 @@ AxisCondition::Term read_term(const YamlValue& value, std::span<const Axis> axes
   return term;
 }
 
-/// Operands of all axes that conditions name; each is made once.
+/// Comparison operands of the values of all axes that conditions name; those of an axis are made once.
 class AxisOperands {
  public:
   explicit AxisOperands(std::span<const Axis> axes) : axes_(axes) {}
@@ -417,7 +418,8 @@ class AxisOperands {
   std::map<std::pair<std::size_t, std::optional<std::size_t>>, AxisCondition::Operands> known_;
 };
 
-/// Reads [{AXIS: VALUE, ...}, ...]. Comparisons with values are evaluated once, for each value of the axis.
+/// Reads conditions in the form [{AXIS: VALUE, ...}, ...]. Comparisons with values are evaluated once, for each value
+/// of the axis.
 std::vector<AxisCondition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
   std::vector<AxisCondition> all;
   std::size_t values = 0;
@@ -466,7 +468,7 @@ Subset read_subset(const YamlValue& value) {
   return subset;
 }
 
-/// Returns the text of a value. Throws InputError with its position if `parse` refuses it.
+/// Returns the text of a YAML value. Throws InputError with the value's position if `parse` refuses the text.
 std::string parsable_text(const YamlValue& value, auto&& parse) {
   try {
     parse(value.text());
@@ -506,7 +508,7 @@ Spec read_spec(const std::filesystem::path& file) {
 
 namespace {
 
-/// Refuses a file of another kind by its schema, before its keys.
+/// Throws InputError for a file with another schema, before its keys are checked.
 void check_schema(const YamlValue& root, std::string_view schema) {
   const auto entries = root.entries();
   const auto found = std::ranges::find(entries, "schema", &YamlValue::key);

@@ -91,8 +91,8 @@ struct AxisCondition {
   };
   std::vector<Term> terms;
 };
-/// True if `left` compares as the term requires with at least one of `rights`. Nothing if an earlier one cannot be
-/// ordered relative to `left`.
+/// True if the operand `left` compares with at least one of `rights` as the term requires. Returns nothing if an
+/// operand before that one cannot be ordered relative to `left`.
 std::optional<bool> outcome_of(const AxisCondition::Term& term, const Operand& left, std::span<const Operand> rights);
 
 inline constexpr std::uint64_t kMostPoints = 1'000'000;

@@ -55,8 +55,8 @@ class Store {
   std::optional<std::string> read_slice(const std::string& id) const { return read_sound(id, kSliceFile); }
   std::optional<Failure> read_failure(const std::string& id) const;
 
-  /// Locks a point that is to be computed; nothing if another process holds it. Removes what an earlier holder left
-  /// unfinished and moves a damaged result to damaged/.
+  /// Locks a point that is to be computed; returns nothing if another process holds the lock. Removes what an earlier
+  /// holder left unfinished and moves a damaged result to damaged/.
   std::optional<sim::FileLock> lock_point(const std::string& id) const;
   bool is_locked(const std::string& id) const;
   /// Locks a stream (recorded work) that is to be recorded; returns nothing if another process holds the lock.
@@ -96,8 +96,8 @@ class SweepFolder {
 
   /// Opens the folder of a sweep or a search. Throws InputError if it is none.
   static SweepFolder open(const std::filesystem::path& path);
-  /// Creates the folder if it is missing and locks it; nothing if another process holds it. Throws InputError for a
-  /// folder with other contents.
+  /// Creates the folder if it is missing and locks it; returns nothing if another process holds the lock. Throws
+  /// InputError for a folder with other contents.
   static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
   /// Writes the files of a sweep or a search into a folder that the caller has locked with try_claim(); replaces former
   /// files.
