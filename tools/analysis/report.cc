@@ -359,12 +359,12 @@ Json dram_clients_json(const FrameResult& run) {
   const auto moved = [&](Area area) {
     const auto written = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].written; };
     const auto read = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].read; };
-    return kLine * (dmas.counted(written) + dmas.counted(read));
+    return kLine * (dmas.sum_of(written) + dmas.sum_of(read));
   };
-  Json clients = {{"caches", kLine * (banks.counted(&L2::fills) + banks.counted(&L2::passed_on) +
-                                      banks.counted(&L2::written_back))},
-                  {"frame_buffer", moved(Area::kPicture)},
-                  {"spills", moved(Area::kSpill)}};
+  Json clients = {
+      {"caches", kLine * (banks.sum_of(&L2::fills) + banks.sum_of(&L2::passed_on) + banks.sum_of(&L2::written_back))},
+      {"frame_buffer", moved(Area::kPicture)},
+      {"spills", moved(Area::kSpill)}};
   if (const std::uint64_t bytes = moved(Area::kSamples); bytes != 0) clients["samples"] = bytes;
   if (const std::uint64_t bytes = moved(Area::kRates); bytes != 0) clients["rates"] = bytes;
   return clients;
@@ -432,7 +432,7 @@ Json kernels_json(const FrameResult& run) {
 }
 
 std::uint64_t dram_bytes(const FrameResult& run) {
-  return Units<hw::DramChannel>(run.units).counted(&hw::DramChannel::Stats::bytes);
+  return Units<hw::DramChannel>(run.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 
 void add_relative(Json& totals, const ComparedResult& result) {
@@ -563,7 +563,7 @@ Json report_json(const ReportInput& report) {
   add_area(totals, run.units, inputs.config);
   add_frame_rate(totals, run, report.frames, inputs.config);
   if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(inputs.config)));
-  totals["extrapolated"] = table_warnings(inputs.config, run.units).size();
+  totals["extrapolated"] = technology_table_warnings(inputs.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},
@@ -602,7 +602,7 @@ sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& wo
 
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled) {
-  std::vector<std::string> lines = table_warnings(config, units);
+  std::vector<std::string> lines = technology_table_warnings(config, units);
   if (sampled && config.thermal.minutes > 0) {
     lines.emplace_back("thermal.minutes has no effect with --tile-sampling: the governor needs whole frames");
   }

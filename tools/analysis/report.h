@@ -60,8 +60,8 @@ struct WorkDone {
 /// perf.frames_per_joule_gpu and perf.frames_per_joule_tni.
 sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work);
 
-/// Returns the warnings of a finished run for report.json: those of table_warnings(), and one if tile sampling
-/// simulated far more tiles than requested.
+/// Returns the warnings of a finished run for report.json: those of technology_table_warnings(), and one if tile
+/// sampling simulated far more tiles than requested.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 

@@ -61,11 +61,11 @@ MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::Gp
   constexpr double kOftenBlocked = 0.05;
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
-  const std::uint64_t reads = banks.counted(&L2Stats::reads);
-  MemoryLatencies b{.l2 = ns * safe_ratio(banks.counted(&L2Stats::latency), reads),
-                    .dram = ns * safe_ratio(banks.counted(&L2Stats::memory_cycles), reads)};
-  const double look_ups = ns * safe_ratio(banks.counted(&L2Stats::hits) * config.l2.cache.hit_cycles +
-                                              banks.counted(&L2Stats::misses) * (config.l2.lookup_cycles + 1),
+  const std::uint64_t reads = banks.sum_of(&L2Stats::reads);
+  MemoryLatencies b{.l2 = ns * safe_ratio(banks.sum_of(&L2Stats::latency), reads),
+                    .dram = ns * safe_ratio(banks.sum_of(&L2Stats::memory_cycles), reads)};
+  const double look_ups = ns * safe_ratio(banks.sum_of(&L2Stats::hits) * config.l2.cache.hit_cycles +
+                                              banks.sum_of(&L2Stats::misses) * (config.l2.lookup_cycles + 1),
                                           reads);
   const double blocked = banks.share(OfBank::kMshrFull) + banks.share(OfBank::kMemoryFull);
   const double moving = banks.share(OfBank::kServing) + banks.share(OfBank::kOutputFull);
@@ -115,14 +115,14 @@ TniActivity tni_activity(const Trvs& trvs, const Ists& ist) {
 /// Returns the mean number of misses in flight: the sum of their latencies over elapsed time.
 template <class Unit>
 double mean_misses_in_flight(const Units<Unit>& units) {
-  return safe_ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
+  return safe_ratio(units.sum_of(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
 /// Returns the mean number of rays that wait for a cache line; several may wait for the same line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
   return mean_misses_in_flight(units) *
-         safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
+         safe_ratio(units.sum_of(&Unit::Stats::l1_late), units.sum_of(&Unit::Stats::l1_fills));
 }
 
 /// Sets a core's demands on memory: traffic shares of the DMA and of spilled ray slots, DRAM utilisation and queues.
@@ -135,14 +135,14 @@ void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw
   const Units<hw::DramChannel> channels(units);
   const Units<hw::L2Bank> banks(units);
   const auto lines = [](const Units<hw::Dma>& of) {
-    return of.counted(&Stats::lines_written) + of.counted(&Stats::lines_read);
+    return of.sum_of(&Stats::lines_written) + of.sum_of(&Stats::lines_read);
   };
   const auto spilled = [](const Units<hw::Dma>& of) {
-    return of.counted([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].written; }) +
-           of.counted([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].read; });
+    return of.sum_of([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].written; }) +
+           of.sum_of([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].read; });
   };
   const std::uint64_t memory_lines =
-      channels.counted(&hw::DramChannel::Stats::reads) + channels.counted(&hw::DramChannel::Stats::writes);
+      channels.sum_of(&hw::DramChannel::Stats::reads) + channels.sum_of(&hw::DramChannel::Stats::writes);
   d.transfers = safe_ratio(lines(all), memory_lines);
   d.spills = safe_ratio(spilled(all), memory_lines);
   d.spilling = dma.empty() ? 0 : (1 - dma.share(hw::Dma::CycleReason::kIdle)) * safe_ratio(spilled(dma), lines(dma));
@@ -154,7 +154,7 @@ void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw
   const hw::DramTiming& timing = config.dram.timing;
   const double idle_ns = static_cast<double>(config.dram.fabric.time + timing.ck.time * (timing.rcd + timing.rl)) /
                          static_cast<double>(sim::kFemtosecondsPerSecond / 1'000'000'000);
-  const double line_ns = memory.dram * safe_ratio(banks.counted(&L2Stats::reads), banks.counted(&L2Stats::misses));
+  const double line_ns = memory.dram * safe_ratio(banks.sum_of(&L2Stats::reads), banks.sum_of(&L2Stats::misses));
   d.dram_queue = line_ns > idle_ns ? 1 - idle_ns / line_ns : 0;
 }
 
@@ -163,17 +163,17 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   const Units<hw::MemoryInterface> records(units);
   std::uint64_t requests = 0;
   for (const auto kind : {&Stats::ray_reads, &Stats::ray_writes, &Stats::hit_reads, &Stats::hit_writes})
-    requests += records.counted(kind);
-  return safe_ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
+    requests += records.sum_of(kind);
+  return safe_ratio(requests, banks.sum_of(&L2Stats::reads) + banks.sum_of(&L2Stats::writes));
 }
 
 /// Returns the time that all node visits would take at the rate reached while every ray slot was in use. If all slots
 /// were rarely in use, it uses the overall rate.
 double tracing_demand(const Trvs& trvs) {
   const double occupied = 1 - trvs.share(OfTrv::kStarved),
-               full = safe_ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
+               full = safe_ratio(trvs.sum_of(&TrvStats::full), trvs.elapsed());
   if (full < 0.02) return occupied;
-  return std::min(occupied, full * safe_ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
+  return std::min(occupied, full * safe_ratio(trvs.sum_of(&TrvStats::visits), trvs.sum_of(&TrvStats::full_visits)));
 }
 
 /// Moves time without rays from a core's `transfers` to its rasteriser, up to the rasteriser's busy time. An
@@ -207,20 +207,20 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   using PortStats = hw::CorePort::Stats;
   t.demands = {
       .no_slots = srp.share(OfSrp::kNoSlots),
-      .fed = safe_ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
+      .fed = safe_ratio(srp.sum_of(&SrpStats::fed), srp.elapsed()),
       .occupied = 1 - trvs.share(OfTrv::kStarved),
       .tree_lines = std::max(mean_misses_in_flight(trvs) / config.tni.trv.l1.mshrs,
                              mean_misses_in_flight(ist) / config.tni.ist.l1.mshrs),
       .tree_waits = std::max(rays_waiting(trvs), rays_waiting(ist)) / kIdealRays,
       .tests = std::max(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), ist.share(OfIst::kTesting)),
-      .data_lines = safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
-      .l2_lines = safe_ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
-      .port_lines = safe_ratio(port.counted(&PortStats::lines_down) * config.interconnect.cycles_of(hw::kLineBytes),
+      .data_lines = safe_ratio(srp.sum_of(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
+      .l2_lines = safe_ratio(banks.sum_of(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
+      .port_lines = safe_ratio(port.sum_of(&PortStats::lines_down) * config.interconnect.cycles_of(hw::kLineBytes),
                                port.elapsed()),
       .tracing = tracing_demand(trvs),
       .records = record_share(units, banks)};
   add_traffic(units, number, config, memory, t.demands);
-  const double tracing = safe_ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
+  const double tracing = safe_ratio(srp.sum_of(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
   charge_raster_time(Units<hw::RasterUnit>(units, core), memory, t);
   const TniActivity in = tni_activity(trvs, ist);
@@ -229,16 +229,15 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   t.tree_misses = tracing * in.misses;
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
-  const double line_wait =
-      l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
+  const double line_wait = l2_ns * safe_ratio(port.sum_of(&PortStats::line_wait), port.sum_of(&PortStats::lines_down));
   // Returns the ns of a lookup with cycle time `ns`, plus synchronisers in both directions if the L2 has another clock.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels =
-      split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
+      split_miss(srp_ns * safe_ratio(srp.sum_of(&SrpStats::cache_miss_cycles), srp.sum_of(&SrpStats::cache_fills)),
                  memory, crossing(srp_ns), line_wait);
   t.tree_levels = split_miss(
-      tni_ns * safe_ratio(trvs.counted(&TrvStats::l1_miss_cycles) + ist.counted(&hw::Ist::Stats::l1_miss_cycles),
-                          trvs.counted(&TrvStats::l1_fills) + ist.counted(&hw::Ist::Stats::l1_fills)),
+      tni_ns * safe_ratio(trvs.sum_of(&TrvStats::l1_miss_cycles) + ist.sum_of(&hw::Ist::Stats::l1_miss_cycles),
+                          trvs.sum_of(&TrvStats::l1_fills) + ist.sum_of(&hw::Ist::Stats::l1_fills)),
       memory, crossing(tni_ns), line_wait);
   return t;
 }

@@ -59,7 +59,7 @@ class Units {
         [&](const sim::UnitReport& unit) { return unit.cycles_by_reason.at(static_cast<std::size_t>(reason)).second; });
   }
   /// Returns the sum of a counter over the units; `counter` as for counter_name().
-  std::uint64_t counted(auto&& counter) const {
+  std::uint64_t sum_of(auto&& counter) const {
     const std::string_view name = counter_name<Stats>(counter);
     return sum([&](const sim::UnitReport& unit) {
       const auto found = std::ranges::find(unit.counters, name, &sim::CounterReport::name);

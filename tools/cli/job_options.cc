@@ -159,7 +159,8 @@ void refuse_empty_values(CLI::App& app) {
 }
 
 void print_table_warnings(const JobOptions& options) {
-  for (const std::string& line : table_warnings(load_run_config(options))) print_message("warning: {}", line);
+  for (const std::string& line : technology_table_warnings(load_run_config(options)))
+    print_message("warning: {}", line);
 }
 
 void require_positive(CLI::Option& option) {

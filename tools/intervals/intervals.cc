@@ -367,9 +367,9 @@ class Table {
       series_.add("bandwidth", name, "GB/s",
                   static_cast<double>(lines * bytes) / time_ * kGigabytesPerByteOverFemtosecond);
     };
-    add("dram_read", channels.counted(&Dram::reads), run_.config().gpu->dram.line.bytes);
-    add("dram_write", channels.counted(&Dram::writes), run_.config().gpu->dram.line.bytes);
-    add("l2_read", Units<hw::L2Bank>(within_).counted(&hw::L2Bank::Stats::reads), hw::kLineBytes);
+    add("dram_read", channels.sum_of(&Dram::reads), run_.config().gpu->dram.line.bytes);
+    add("dram_write", channels.sum_of(&Dram::writes), run_.config().gpu->dram.line.bytes);
+    add("l2_read", Units<hw::L2Bank>(within_).sum_of(&hw::L2Bank::Stats::reads), hw::kLineBytes);
   }
 
   void add_hit_rates() {
@@ -382,10 +382,10 @@ class Table {
     const Units<hw::Ist> ists(within_);
     const Units<hw::Srp> srps(within_);
     const Units<hw::L2Bank> banks(within_);
-    add("node", trvs.counted(&hw::Trv::Stats::l1_hits), trvs.counted(&hw::Trv::Stats::l1_accesses));
-    add("triangle", ists.counted(&hw::Ist::Stats::l1_hits), ists.counted(&hw::Ist::Stats::l1_accesses));
-    add("data", srps.counted(&hw::Srp::Stats::cache_hits), srps.counted(&hw::Srp::Stats::cache_accesses));
-    add("l2", banks.counted(&hw::L2Bank::Stats::hits), banks.counted(&hw::L2Bank::Stats::reads));
+    add("node", trvs.sum_of(&hw::Trv::Stats::l1_hits), trvs.sum_of(&hw::Trv::Stats::l1_accesses));
+    add("triangle", ists.sum_of(&hw::Ist::Stats::l1_hits), ists.sum_of(&hw::Ist::Stats::l1_accesses));
+    add("data", srps.sum_of(&hw::Srp::Stats::cache_hits), srps.sum_of(&hw::Srp::Stats::cache_accesses));
+    add("l2", banks.sum_of(&hw::L2Bank::Stats::hits), banks.sum_of(&hw::L2Bank::Stats::reads));
   }
 
   void add_utilisation() {
@@ -406,10 +406,10 @@ class Table {
 
   void add_rays() {
     using Srp = hw::Srp::Stats;
-    const auto traced = static_cast<double>(Units<hw::Srp>(within_).counted(&Srp::hits));
+    const auto traced = static_cast<double>(Units<hw::Srp>(within_).sum_of(&Srp::hits));
     series_.add("rays", "traced", "Mrays/s", traced / time_ * kMillionsPerSecondPerOneOverFemtosecond);
     const Units<hw::Srp> srps(until_);
-    const std::uint64_t sent = srps.counted(&Srp::rays), back = srps.counted(&Srp::hits);
+    const std::uint64_t sent = srps.sum_of(&Srp::rays), back = srps.sum_of(&Srp::hits);
     series_.add("rays_in_flight", "tni", "rays", static_cast<double>(sent - back));
   }
 

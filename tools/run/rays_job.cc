@@ -43,7 +43,7 @@ Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::v
                  {"time_ms", ms},
                  {"rays", {{"total", rays}, {"hits", machine.hit_count()}, {"listed", listed}}},
                  {"traversal_steps", machine.step_count()},
-                 {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
+                 {"dram_bytes", Units<hw::DramChannel>(units).sum_of(&hw::DramChannel::Stats::bytes)}};
   totals.update(sim::energy_json(energy));
   totals["power_w"] = sim::band_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
   totals["perf"] = {{"mrays_per_s", static_cast<double>(rays) / (1e3 * ms)},

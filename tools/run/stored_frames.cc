@@ -71,7 +71,7 @@ StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& 
           [&](const traces::Json& header, const std::string& name) { return replay_config(header, name, options); },
           options.threads, 1) {
   inputs_.warnings = ineffective_setting_warnings(options, inputs_.config);
-  add_warnings(inputs_.warnings, table_warnings(inputs_.config));
+  add_warnings(inputs_.warnings, technology_table_warnings(inputs_.config));
 }
 
 StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,

@@ -216,9 +216,9 @@ struct Work {
   explicit Work(std::span<const sim::UnitReport> reports) {
     const Units<hw::Trv> trvs(reports);
     const Units<hw::Ist> ists(reports);
-    steps = static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) -
-                                trvs.counted(&hw::Trv::Stats::restarted_visits) + ists.counted(&hw::Ist::Stats::tests));
-    rays = static_cast<double>(Units<hw::Srp>(reports).counted(&hw::SrpStats::rays));
+    steps = static_cast<double>(trvs.sum_of(&hw::Trv::Stats::visits) - trvs.sum_of(&hw::Trv::Stats::restarted_visits) +
+                                ists.sum_of(&hw::Ist::Stats::tests));
+    rays = static_cast<double>(Units<hw::Srp>(reports).sum_of(&hw::SrpStats::rays));
   }
 };
 

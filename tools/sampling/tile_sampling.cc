@@ -71,8 +71,8 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
   }
   const Units<hw::Trv> trvs(part.units);
   sum.visits =
-      static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) - trvs.counted(&hw::Trv::Stats::restarted_visits));
-  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).counted(&hw::Ist::Stats::tests));
+      static_cast<double>(trvs.sum_of(&hw::Trv::Stats::visits) - trvs.sum_of(&hw::Trv::Stats::restarted_visits));
+  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).sum_of(&hw::Ist::Stats::tests));
   sum.array = 0;
   for (std::size_t k = 0; k < kernels.size(); ++k)
     sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;

@@ -40,7 +40,7 @@ void expect_sums(const FrameResult& s, const TileFrame& frame) {
     EXPECT_EQ(sum_of_column(frame, kRays[kind]), counted(s.rendered.rays[kind])) << kRays[kind];
   }
   EXPECT_EQ(sum_of_column(frame, "steps"), counted(s.rendered.traversal_steps));
-  EXPECT_EQ(sum_of_column(frame, "tests"), counted(Units<hw::Ist>(s.units).counted(&hw::Ist::Stats::tests)));
+  EXPECT_EQ(sum_of_column(frame, "tests"), counted(Units<hw::Ist>(s.units).sum_of(&hw::Ist::Stats::tests)));
   std::uint64_t kernel_cycles = 0;
   for (const hw::KernelUse& use : s.kernel_use) kernel_cycles += use.cycles;
   EXPECT_EQ(sum_of_column(frame, "srp_cycles"), counted(kernel_cycles));
@@ -48,9 +48,9 @@ void expect_sums(const FrameResult& s, const TileFrame& frame) {
   for (const std::string_view asker : names_of(hw::RequesterKind{})) {
     bytes += sum_of_column(frame, ("bytes_" + std::string(asker)).c_str());
   }
-  EXPECT_EQ(bytes, counted(hw::kLineBytes * Units<hw::CorePort>(s.units).counted(&hw::CorePort::Stats::requests)));
+  EXPECT_EQ(bytes, counted(hw::kLineBytes * Units<hw::CorePort>(s.units).sum_of(&hw::CorePort::Stats::requests)));
   EXPECT_EQ(sum_of_column(frame, "dram_bytes"),
-            counted(Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)));
+            counted(Units<hw::DramChannel>(s.units).sum_of(&hw::DramChannel::Stats::bytes)));
   EXPECT_EQ(sum_of_column(frame, "energy_mj_low"), s.energy.total_pj.low * kMillijoulesPerPicojoule);
   EXPECT_EQ(sum_of_column(frame, "energy_mj_nominal"), s.energy.total_pj.nominal * kMillijoulesPerPicojoule);
   EXPECT_EQ(sum_of_column(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);

@@ -123,7 +123,7 @@ TEST(Timelines, HaveCountersWithUnitsThatSumToTheReport) {
                                                        {"SRP busy", "%"},
                                                        {"power", "W"},
                                                        {"rays in T&I", "rays"}}));
-  const auto moved = Units<hw::DramChannel>(recorded().s.units).counted(&hw::DramChannel::Stats::bytes);
+  const auto moved = Units<hw::DramChannel>(recorded().s.units).sum_of(&hw::DramChannel::Stats::bytes);
   EXPECT_NEAR(bytes, static_cast<double>(moved), 1e-6 * static_cast<double>(moved));
   const double spent = recorded().s.energy.total_pj.nominal * 1e-12;
   EXPECT_NEAR(joules, spent, 1e-6 * spent);

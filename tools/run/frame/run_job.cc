@@ -113,7 +113,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   const RunConfig config = load_run_config(options);
   Inputs in = load_inputs(config, options.threads, progress);
   add_warnings(in.warnings, ineffective_setting_warnings(options, config));
-  add_warnings(in.warnings, table_warnings(config));
+  add_warnings(in.warnings, technology_table_warnings(config));
   return in;
 }
 

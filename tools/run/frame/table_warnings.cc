@@ -40,7 +40,7 @@ std::vector<std::string> process_warnings(const RunConfig& config) {
                       sim::printable(node_of(tables.front().second)))};
 }
 
-std::vector<std::string> table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
+std::vector<std::string> technology_table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
   std::vector<std::string> lines = sim::curve_range_warnings(units, config.energy.events, config.area.arrays);
   std::ranges::move(latency_warnings(config), std::back_inserter(lines));
   std::ranges::move(power_warnings(config), std::back_inserter(lines));
@@ -48,9 +48,9 @@ std::vector<std::string> table_warnings(const RunConfig& config, std::span<const
   return lines;
 }
 
-std::vector<std::string> table_warnings(const RunConfig& config) {
+std::vector<std::string> technology_table_warnings(const RunConfig& config) {
   const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return table_warnings(config, idle_units(*config.gpu, rasterises));
+  return technology_table_warnings(config, idle_units(*config.gpu, rasterises));
 }
 
 void add_warnings(std::vector<std::string>& lines, const std::vector<std::string>& more) {

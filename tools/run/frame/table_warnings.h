@@ -10,10 +10,10 @@ namespace tools {
 
 /// Returns a warning for each size, clock and voltage outside the ranges of the energy, area and latency tables, and
 /// one if tables are for different processes.
-std::vector<std::string> table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
+std::vector<std::string> technology_table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
 
-/// Returns the warnings of table_warnings() for all units of the configured machine, without a run.
-std::vector<std::string> table_warnings(const RunConfig& config);
+/// Returns the warnings of technology_table_warnings() for all units of the configured machine, without a run.
+std::vector<std::string> technology_table_warnings(const RunConfig& config);
 
 /// Returns a warning if the tables of energy, area, voltage and latency that `config` uses are for different processes.
 std::vector<std::string> process_warnings(const RunConfig& config);

@@ -492,7 +492,7 @@ bool is_part_of(std::string_view kind, std::string_view unit) {
   return kind == unit || (name.starts_with(unit) && name.size() > unit.size() && name[unit.size()] == '.');
 }
 
-std::string changed_keys_text(const KeyPair& key) { return fmt::format("{} was {}, is {}", key.key, key.a, key.b); }
+std::string changed_key_text(const KeyPair& key) { return fmt::format("{} was {}, is {}", key.key, key.a, key.b); }
 
 std::string changed_keys_text(const std::vector<KeyPair>& keys) {
   constexpr std::ptrdiff_t kMostOfGroup = 4;
@@ -511,7 +511,7 @@ std::string changed_keys_text(const std::vector<KeyPair>& keys) {
       const bool is_many = !group.empty() && others >= kMostOfGroup;
       if (is_many && group == shown) continue;
       shown = group;
-      out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_keys_text(key),
+      out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_key_text(key),
                          is_many ? fmt::format(", and {} more keys of {}", others, group) : "");
     }
   }

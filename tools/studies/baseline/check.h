@@ -31,7 +31,7 @@ std::string unit_of_key(std::string_view key);
 bool is_part_of(std::string_view kind, std::string_view unit);
 
 /// Describes the change of one configuration key: "l2.mshrs was 32, is 8".
-std::string changed_keys_text(const KeyPair& key);
+std::string changed_key_text(const KeyPair& key);
 /// Describes the changes of configuration keys, one line per key: "Changed in l2.bank: l2.mshrs was 32, is 8". Lines
 /// are sorted by unit. A group of more than four changed keys has a single line.
 std::string changed_keys_text(const std::vector<KeyPair>& keys);

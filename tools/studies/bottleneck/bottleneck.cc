@@ -36,8 +36,8 @@ double miss_share(const Units<Unit>& units) {
 template <class Unit>
 CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) {
   using Stats = typename Unit::Stats;
-  return {name, ratio_or_zero(units.counted(&Stats::l1_hits), units.counted(&Stats::l1_accesses)),
-          ratio_or_zero(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
+  return {name, ratio_or_zero(units.sum_of(&Stats::l1_hits), units.sum_of(&Stats::l1_accesses)),
+          ratio_or_zero(units.sum_of(&Stats::l1_miss_cycles), units.sum_of(&Stats::l1_fills)), share};
 }
 
 /// Returns the statistics of the cycle counts of a run and its replicates.
@@ -59,8 +59,8 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   using Srp = hw::Srp::Stats;
   return {tree_cache("node", trvs, of_nodes),
           tree_cache("triangle", ists, time.tree_misses - of_nodes),
-          {"data", ratio_or_zero(srps.counted(&Srp::cache_hits), srps.counted(&Srp::cache_accesses)),
-           ratio_or_zero(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
+          {"data", ratio_or_zero(srps.sum_of(&Srp::cache_hits), srps.sum_of(&Srp::cache_accesses)),
+           ratio_or_zero(srps.sum_of(&Srp::cache_miss_cycles), srps.sum_of(&Srp::cache_fills)), time.data_misses}};
 }
 
 }  // namespace

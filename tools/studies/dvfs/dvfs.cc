@@ -95,7 +95,7 @@ class ClockScan {
     const std::vector<FrameResult> runs = frame_.simulate(configs);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
-      add_warnings(curve.warnings, table_warnings(configs[i], runs[i].units));
+      add_warnings(curve.warnings, technology_table_warnings(configs[i], runs[i].units));
     }
     std::ranges::sort(curve.points, {}, &DvfsPoint::factor);
   }

@@ -336,8 +336,8 @@ using Exits = std::array<std::uint64_t, 3>;
 Exits exits_from_counters(const std::vector<sim::UnitReport>& units) {
   using Stats = hw::Ist::Stats;
   const Units<hw::Ist> ists(units);
-  const std::uint64_t edge_tests = ists.counted(&Stats::edge_tests), hits = ists.counted(&Stats::hits);
-  return {ists.counted(&Stats::tests) - edge_tests, edge_tests - hits, hits};
+  const std::uint64_t edge_tests = ists.sum_of(&Stats::edge_tests), hits = ists.sum_of(&Stats::hits);
+  return {ists.sum_of(&Stats::tests) - edge_tests, edge_tests - hits, hits};
 }
 
 /// Counts triangle tests by exit phase from the recorded traversals of all rays of a frame program.

@@ -305,11 +305,11 @@ double all_pj(const ProgramResult& o) { return o.simulation.energy.total_pj.nomi
 
 /// Returns a counter of the first-level caches, summed over all T&I units.
 std::uint64_t l1_counter(const ProgramResult& o, std::uint64_t hw::FetchStats::*counter) {
-  return Units<hw::Trv>(o.simulation.units).counted(counter) + Units<hw::Ist>(o.simulation.units).counted(counter);
+  return Units<hw::Trv>(o.simulation.units).sum_of(counter) + Units<hw::Ist>(o.simulation.units).sum_of(counter);
 }
 
 std::uint64_t dram_bytes_of(const ProgramResult& o) {
-  return Units<hw::DramChannel>(o.simulation.units).counted(&hw::DramChannel::Stats::bytes);
+  return Units<hw::DramChannel>(o.simulation.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
 /// Returns the share of cache lines read by T&I units that hit the L1 at the first probe.
@@ -329,7 +329,7 @@ double srp_operations(const ProgramResult& o) {
   for (const auto counter :
        {&Stats::fp_add, &Stats::fp_mul, &Stats::fp_mul_add, &Stats::fp_div_sqrt, &Stats::fp_compare, &Stats::int_add,
         &Stats::int_mul, &Stats::int_logic, &Stats::int_shift, &Stats::convert}) {
-    all += static_cast<double>(cores.counted(counter));
+    all += static_cast<double>(cores.sum_of(counter));
   }
   return all;
 }

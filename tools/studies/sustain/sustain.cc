@@ -35,7 +35,7 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
       mhz.push_back(static_cast<double>((configs[i].gpu->clocks.*domain.clock).hz) / kHzPerMhz);
       volt.push_back(voltage_needed(configs[i], domain));
     }
-    add_warnings(study.warnings, table_warnings(configs[i]));
+    add_warnings(study.warnings, technology_table_warnings(configs[i]));
   }
   const kernels::ProgramSpec program = kernels::parse_program(options.job.program);
   for_each_frame(inputs, options.job.threads, progress, [&] {

@@ -183,8 +183,9 @@ TEST(Processes, PublishedOperationsOf7NmAreInsideTheBandsWithTwoExceptions) {
 
 TEST(Processes, AtTheirNominalClocksWarnOfNothing) {
   for (const char* process : {"28nm", "14nm", "7nm", "5nm", "3nm"}) {
-    EXPECT_EQ(table_warnings(of_process(process)), std::vector<std::string>()) << process;
-    EXPECT_EQ(table_warnings(of_process(process, {"power.voltage=dvfs"})), std::vector<std::string>()) << process;
+    EXPECT_EQ(technology_table_warnings(of_process(process)), std::vector<std::string>()) << process;
+    EXPECT_EQ(technology_table_warnings(of_process(process, {"power.voltage=dvfs"})), std::vector<std::string>())
+        << process;
   }
 }
 
@@ -209,7 +210,8 @@ TEST(Processes, MixedWarnOnce) {
 TEST(Processes, AVoltageThatTheProcessDoesNotAllowIsAWarning) {
   const auto warnings_at = [](const std::string& clock) {
     std::string all;
-    for (const std::string& line : table_warnings(of_process("7nm", {"power.voltage=dvfs", "clocks.tni=" + clock}))) {
+    for (const std::string& line :
+         technology_table_warnings(of_process("7nm", {"power.voltage=dvfs", "clocks.tni=" + clock}))) {
       all += line;
     }
     return all;

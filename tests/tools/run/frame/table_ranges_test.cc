@@ -106,7 +106,7 @@ TEST(TableRanges, AreNeverLeftWithoutAWarning) {
       continue;
     }
     ++machines;
-    const std::vector<std::string> lines = table_warnings(config);
+    const std::vector<std::string> lines = technology_table_warnings(config);
     for (const std::string& text : expected_texts(config)) {
       ++outside;
       EXPECT_TRUE(
