@@ -56,7 +56,7 @@ struct ReportNumber {
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
 /// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,
-/// "units.core.tni.trv.units" their number. Single units are included.
+/// "units.core.tni.trv.units" their number. Units without siblings are included.
 std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
 /// True for a report path in `totals`.

@@ -91,7 +91,7 @@ class Progress {
   void print_hint(const std::string& line) {
     if (hints_) print_line(line);
   }
-  /// Ends the display with the state `how`: "done", "interrupted" or "failed". Nothing is printed afterwards.
+  /// Ends the progress display with the state `how`: "done", "interrupted" or "failed". Nothing is printed afterwards.
   void finish(const std::string& how);
 
  private:
@@ -113,7 +113,7 @@ class Progress {
   bool shows_picture_ = false;
   std::size_t view_lines_ = 0;  ///< number of terminal lines of the view
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
-  /// Start of the first part, zero before it; start of the current part, zero between parts.
+  /// Start times of the job's first part (zero before it) and of the current part (zero between parts).
   sim::HostClock::time_point busy_since_, part_since_;
   std::mutex mutex_;
   std::condition_variable news_;

@@ -51,7 +51,7 @@ struct SampledRun {
   double warming_seconds = 0;
 };
 
-/// Returns the time and counters of a machine between two marks.
+/// Returns the time and counters of a machine between two marked tile dispatches.
 MeasuredPart difference_of(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::subtract_reports(part.units, a.units);

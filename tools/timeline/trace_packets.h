@@ -29,7 +29,7 @@ class InternedTexts {
   std::map<std::string, std::uint64_t> numbers_;
 };
 
-/// A track of the timeline: slices, or a counter if it has a unit.
+/// A track of the timeline. It shows slices, or a counter if the track has a unit of measurement.
 struct TimelineTrack {
   std::uint64_t id = 0, parent = 0;
   std::string name;

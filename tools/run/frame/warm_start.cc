@@ -11,7 +11,7 @@
 namespace tools {
 namespace {
 
-/// View of a frame program that executes its tiles without committing them to it. Throws Interrupted.
+/// View of a frame program that executes the program's tiles but does not commit the results. Throws Interrupted.
 class UncommittedTiles final : public kernels::FrameProgram {
  public:
   explicit UncommittedTiles(const kernels::FrameProgram& frame) : FrameProgram(0, 0), frame_(frame) {}

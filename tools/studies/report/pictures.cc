@@ -158,7 +158,7 @@ constexpr std::string_view kPixelsFile = "pixels.exr";
 constexpr std::size_t kMostPixels = 1 << 19;  ///< maximum pixels of an overlay; larger ones are averaged over squares
 constexpr std::size_t kAnyPixels = std::numeric_limits<std::size_t>::max();
 // Limits in bytes of data: URLs. They keep the page of a 2048x1024 frame below 6 MB.
-/// Limit for the picture, its pixel overlays and debug pictures together.
+/// Limit in bytes for the picture, its pixel overlays and debug pictures together.
 constexpr std::uint64_t kLargestPictures = 3'900'000;
 constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
 

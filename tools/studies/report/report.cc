@@ -40,8 +40,8 @@ using sim::Json;
 
 constexpr std::size_t kLongestName = 2000, kLongestCommand = 4000;
 constexpr std::size_t kMostIntervals = 512;
-/// Energy events are merged into one entry per block if they are below this share of the total at its low, nominal and
-/// high value.
+/// Energy events below this share of the total energy, under low, nominal and high tables alike, are merged into one
+/// entry per block.
 constexpr double kSmallShare = 0.008;
 constexpr const char* kTotal = "GPU with memory";
 

@@ -303,7 +303,7 @@ double block_pj(const ProgramResult& o, const std::string& block) {
 }
 double all_pj(const ProgramResult& o) { return o.simulation.energy.total_pj.nominal; }
 
-/// Returns a counter of the first-level caches, summed over all T&I units.
+/// Returns a counter of the T&I units' first-level caches, summed over all units.
 std::uint64_t l1_counter(const ProgramResult& o, std::uint64_t hw::FetchStats::*counter) {
   return Units<hw::Trv>(o.simulation.units).sum_of(counter) + Units<hw::Ist>(o.simulation.units).sum_of(counter);
 }

@@ -38,7 +38,7 @@ void join_sweep(const sweep::SweepFolder& folder);
 void print_sweep_status(const std::filesystem::path& path, bool json);
 /// Shows the progress until all points have ended or no process computes them.
 void watch_sweep(const std::filesystem::path& path);
-/// Prints the first failed points with their errors.
+/// Prints the first few points that failed, with their errors.
 void print_failures(const sweep::Store& store, const std::vector<sweep::Point>& points);
 /// Ends the process that runs the sweep in a folder, and its jobs.
 void cancel_sweep(const std::filesystem::path& path);

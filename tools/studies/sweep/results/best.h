@@ -35,7 +35,7 @@ struct Objective {
   /// Parses "PATH", "min:PATH" or "max:PATH". The default is max for performance, performance per watt, utilisation and
   /// PSNR, min for all else. Throws InputError for unknown paths.
   Objective(const Results& results, const std::string& text);
-  /// Value of a point as a number; nothing if it has none.
+  /// Returns the objective's value at a point; nothing if the point has none.
   std::optional<double> value_of(std::size_t row) const;
   bool is_better(double a, double b) const { return more_is_better ? a > b : a < b; }
   std::string describe() const;

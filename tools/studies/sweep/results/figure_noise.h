@@ -26,7 +26,7 @@ class FigureNoise {
   bool is_measured() const { return measured_; }
   /// Values of the points; means of the replicates if noise is measured.
   const Column& means() const { return means_; }
-  /// Number of replicates of a point; 1 without replicates.
+  /// Returns the number of replicates of a point; 1 if it was simulated once.
   std::size_t replicate_count(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
   /// Standard error of the value of a point; 0 for a figure without noise.
   double error(std::size_t row) const { return seen_[row].standard_error(); }

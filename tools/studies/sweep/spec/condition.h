@@ -22,7 +22,7 @@ std::optional<Magnitude> parse_magnitude(std::string_view text);
 using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 
 inline bool is_absent(const Value& value) { return std::holds_alternative<std::monostate>(value); }
-/// Returns the text, the shortest decimals that read back exactly, or "".
+/// Returns a value as text: numbers with the fewest decimals that read back exactly, "" for an absent value.
 std::string exact_text(const Value& value);
 /// Returns the number and the kind of unit of a value that is a number or a text such as "8 KiB"; nothing for other
 /// values.

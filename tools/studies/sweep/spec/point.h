@@ -107,7 +107,7 @@ class PointKeys {
   void set_key(Point& point);
 
  private:
-  /// Applies the point to the variants of its base configuration. Throws InputError.
+  /// Applies the settings of a point to the point's base configuration. Throws InputError.
   const ConfigVariants& apply_point(const Point& point);
   Key make_key(const Point& point, const ConfigVariants& applied);
   std::string scene_digest(const RunConfig& config);

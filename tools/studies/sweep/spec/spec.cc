@@ -263,7 +263,7 @@ bool is_column(const std::string& name) {
          std::ranges::any_of(kOfReports, [&](std::string_view group) { return name.starts_with(group); });
 }
 
-/// Reads an axis of one key from a list.
+/// Reads an axis of one configuration key from a YAML list of values.
 Axis read_list(const std::string& key, const YamlValue& value) {
   Axis axis{key, value.where(), {key}, {}};
   read_values(value, axis);

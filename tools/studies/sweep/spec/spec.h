@@ -14,8 +14,8 @@
 
 namespace tools::sweep {
 
-/// A value of a YAML file with its position and its path for error messages. All readers throw InputError for a value
-/// of another kind.
+/// A value of a YAML file with its position and its path for error messages. The member functions throw InputError for
+/// a value of another kind.
 class YamlValue {
  public:
   /// The root mapping. `root` must outlive all values.

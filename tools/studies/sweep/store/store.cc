@@ -242,7 +242,7 @@ bool is_stale(const fs::directory_entry& entry) {
   return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_temporary_name(name, file); });
 }
 
-/// True for an entry that a run may have left in a new folder when it was killed at its start.
+/// True for a file or folder that a run may have left in a new folder when it was killed at its start.
 bool is_left_by_killed_start(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
   return name == "lock" || name == "log" || is_stale(entry);
