@@ -8,7 +8,7 @@
 
 namespace sim {
 
-/// Category of a reason to which a unit charges cycles.
+/// Category of a cycle reason, to which a unit charges its cycles.
 enum class ReasonKind : std::uint8_t {
   kWorking,     ///< the unit works, including latency of its pipeline
   kWaiting,     ///< the unit waits for another unit
@@ -16,13 +16,14 @@ enum class ReasonKind : std::uint8_t {
   kBackground,  ///< activity caused only by the passing of time, such as refresh
 };
 
-/// Declaration of a reason to which a unit charges cycles.
+/// Declaration of a cycle reason, to which a unit charges its cycles.
 struct Reason {
   const char* name;
   ReasonKind kind;
   const char* meaning;
 };
-/// Functions that declare a reason of each kind, for the table kReasons of a unit.
+/// Each of these functions declares a cycle reason of one kind (working, waiting, idle, background), for the table
+/// kReasons of a unit.
 constexpr Reason working_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
 constexpr Reason waiting_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
 constexpr Reason idle_reason(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
@@ -69,14 +70,14 @@ class Activity {
     then_ = reason_after;
   }
 
-  /// Charges the unit's time up to `end`, an edge of its clock. Has no effect if this time is already charged.
+  /// Charges the unit's time up to `end`, an edge of its clock. Has no effect on time that is already charged.
   void finish(Time end) {
     if (end <= accounted_) return;
     spent_[index_of(then_)] += end - accounted_;
     accounted_ = end;
   }
 
-  /// Returns the time charged to a reason up to the last finish().
+  /// Returns the time charged to a cycle reason up to the last finish().
   Time spent(CycleReason reason) const { return spent_[index_of(reason)]; }
   Time accounted_until() const { return accounted_; }
 

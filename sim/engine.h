@@ -51,7 +51,8 @@ class Watchdog {
   void run_due_checks(Time now) {
     if (now >= next_check_at_ && now != kNever) run_checks(now);
   }
-  /// Returns the next interval boundary. No partition may pass it before the others have reached it.
+  /// Returns the next interval boundary, at which all counters are sampled. No partition may run beyond the boundary
+  /// before all have reached it.
   Time next_boundary() const { return owner_.machine().next_boundary(); }
 
  private:
@@ -80,7 +81,7 @@ class Watchdog {
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the inner partition of a machine without the others, as far as it may run. Returns its next wake-up time.
+/// Runs the inner partition of a machine, without the other partitions, up to its limit. Returns its next wake-up time.
 /// `others_reached`: time that the other partitions have reached. `end`: limit of the run.
 template <class TickAt>
 Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end, TickAt&& tick_at) {
@@ -89,8 +90,9 @@ Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached
   return at;
 }
 
-/// Runs an outer partition without the others, as far as it may run. Returns its next wake-up time. The partition's
-/// cluster runs by itself while no other unit is due. `inner_reached`: time that the inner partition has reached.
+/// Runs an outer partition of a machine, without the other partitions, up to its limit. Returns its next wake-up time.
+/// The partition's cluster runs by itself while no other unit is due. `inner_reached`: time that the inner partition
+/// has reached.
 template <class TickAt>
 Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reached, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;

@@ -41,8 +41,9 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Sets the handles through which the link wakes its two units. It does so for events that they cannot predict: the
-  /// first item in an empty link, the first free slot in a full link. pop_at() and push_at() give all other times.
+  /// Sets the handles through which the link wakes its two units. The link wakes a unit for events that the unit cannot
+  /// predict: the first item in an empty link, the first free slot in a full link. pop_at() and push_at() give all
+  /// other times.
   void set_wakeup_handles(WakeupHandle producer, WakeupHandle consumer) {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
@@ -54,7 +55,8 @@ class Link {
     if (size_ != 0) *occupancy_mask_ |= bit_;
   }
 
-  /// Makes the link keep pop_at() in `*pop_at`. If an item enters the empty link, it also lowers `*soonest` to it.
+  /// Makes the link mirror its pop_at() into `*pop_at`. When an item enters the empty link, the link also lowers
+  /// `*soonest` to that time.
   void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;

@@ -48,7 +48,7 @@ class Machine {
     Clock clock;
     std::size_t partition = 0;      ///< 0: the inner partition; others: outer (sim/partitions.h)
     std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
-    std::uint64_t cache_bytes = 0;  ///< part of this memory whose accesses are counted; 0: all
+    std::uint64_t cache_bytes = 0;  ///< size of the part of the unit's memory whose accesses are counted; 0: all of it
     std::vector<UnitPart> parts{};  ///< parts whose number determines the unit's area
     std::uint32_t data_lines = 0;   ///< number of data pins of the unit at the die's edge
   };
@@ -142,8 +142,8 @@ class Machine {
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
   /// Returns the next interval boundary, where all units must be sampled; kNever if no intervals are recorded.
   Time next_boundary() const { return next_boundary_; }
-  /// Samples the counters at all interval boundaries up to `now`. All units must have finished exactly the work before
-  /// it.
+  /// Samples the counters at all interval boundaries up to `now`. All units must have finished the work before `now`
+  /// and none after it.
   void sample_intervals_until(Time now);
   /// A unit and a pointer to its tick function, which avoids virtual calls.
   struct TickFunction {
@@ -224,7 +224,7 @@ class Machine {
     Link<T> link;
   };
 
-  /// Throws std::logic_error with the text `rule` unless `is_kept` is true.
+  /// Throws std::logic_error with the text `rule` if the rule is broken (`is_kept` is false).
   static void require_rule(bool is_kept, std::string_view rule);
   void require_unbuilt(UnitId id) const;
   void require_cluster_rules(const std::vector<UnitId>& units) const;

@@ -35,8 +35,9 @@ struct Partition {
   Cluster cluster;
 };
 
-/// Returns the time before which a partition must stop. `others_reached`: time before which the other partitions have
-/// finished all work. `end`: limit for all partitions. A partition with a nearly full link must not pass the others.
+/// Returns the time before which a partition of the machine must stop. `others_reached`: time before which the other
+/// partitions have finished all work. `end`: limit for all partitions. While a link to another partition is nearly
+/// full, the partition may run only up to time `others_reached`, inclusive.
 inline Time run_limit(const Partition& partition, Time others_reached, Time end) {
   return std::min(end, partition.nearly_full == 0 ? end : others_reached + 1);
 }
@@ -50,7 +51,8 @@ struct ClusterTurn {
   Time end;                      ///< time before which the cluster's run ends
   std::span<const Time> others;  ///< group minima of the wake-up times of the partition's other units
 
-  /// True if the cluster may tick at time `at`: the partition may run to it, and none of its other units is due before.
+  /// True if the cluster may tick at time `at`: the partition may run to that time, and none of the partition's units
+  /// outside the cluster is due before.
   bool includes_time(Time at) const {
     // A single comparison, because the limit that ends the turn is unpredictable.
     Time over = run_limit(partition, inner, end) - 1;

@@ -51,10 +51,11 @@ struct UnitReport {
   std::uint32_t data_lines = 0;         ///< number of data pins of the unit at the die's edge
 };
 
-/// Adds results of the same units over another time span, `more`, to `sum`.
+/// Adds the results `more` of another time span to the results `sum` of the same units.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Subtracts the results of the same units up to an earlier time from `later`. Peaks stay those of the whole time.
+/// Subtracts from `later` the results of the same units at an earlier time, so that `later` covers the time between.
+/// Maxima (CounterKind::kPeak) stay those of the whole time.
 void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
 /// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. `cache_bytes` 0 means equal
@@ -97,8 +98,8 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   return out;
 }
 
-/// Calls set(value, i, kind) for the ith value of the units' reports, in the order of write_values(), so that it can be
-/// replaced. Then sets `elapsed` of each unit to the sum of its cycles by reason.
+/// Calls set(value, i, kind) for the ith value of the units' reports, in the order of write_values(). set() may replace
+/// the value. Then sets `elapsed` of each unit to the sum of its cycles by reason.
 void each_value(std::span<UnitReport> units, auto&& set) {
   std::size_t number = 0;
   for (UnitReport& unit : units) {

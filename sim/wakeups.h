@@ -111,8 +111,8 @@ class WakeupTable {
     lower_to(unit, own);
     group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
   }
-  /// Returns the minimum of eight times. They are loaded one by one, because vector loads of recently written single
-  /// times would stall on store forwarding.
+  /// Returns the minimum of eight times. The times are loaded one by one, because vector loads of recently written
+  /// single times would stall on store forwarding.
   static Time min_of_eight(const Time* eight_times) {
     const Time a = std::min(std::min(load_time(eight_times[0]), load_time(eight_times[1])),
                             std::min(load_time(eight_times[2]), load_time(eight_times[3])));

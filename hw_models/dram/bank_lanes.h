@@ -19,8 +19,8 @@ class BankLanes {
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
-  /// Returns a mask of the banks whose stored number is at most `limit`. `limit` must be below 2^63. Mask bits above
-  /// the last bank are undefined.
+  /// Returns a mask of the DRAM banks whose number in this array is at most `limit`. `limit` must be below 2^63. Mask
+  /// bits above the last bank are undefined.
   std::uint32_t banks_with_value_at_most(std::uint64_t limit) const {
     return banks_with_value_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
   }
@@ -29,7 +29,7 @@ class BankLanes {
     return banks_with_value_at_most(limit,
                                     [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the smallest number stored for any bank in the mask `bank_mask`.
+  /// Returns the smallest number that this array stores for the banks in the mask `bank_mask`.
   std::uint64_t min_of(std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return load_four(four); });
   }

@@ -337,7 +337,8 @@ class DramMap {
         row_mask_(c.organisation.rows - 1) {}
 
   DramAddress address_of(Addr line) const {
-    // Bank and row bits are above channel and column bits, whatever their order. So one shift serves both mappings.
+    // In every mapping, bank and row bits are above channel and column bits. So one shift removes the channel and
+    // column bits.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
     DramAddress a;

@@ -66,7 +66,8 @@ class CommandCalendar {
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
     return from + cycles_until_free(blocked | no_second);
   }
-  /// Returns the first cycle at or after `from` in which a CAS and its column command can start without a conflict.
+  /// Returns the first cycle at or after `from` in which a CAS (LPDDR5: starts the data clock WCK) and the read or
+  /// write that follows it can start without a conflict.
   Cycle first_cycle_for_cas_and_column(Cycle from) const { return first_free_cycle(kSync, from); }
   /// True if the DRAM data bus is free for all bursts of a line whose first burst starts at cycle `at`.
   bool is_data_bus_free(Cycle at) const { return (mask_relative_to(blocked_data_, at) & 1) == 0; }
@@ -79,12 +80,14 @@ class CommandCalendar {
     act2_end_ = at + 2 * half_activate_ + cycles_until_free(blocked_[kActivate] >> half_activate_);
     assert(act2_end_ <= act2_until_ + half_activate_);
   }
-  /// Books a CAS at cycle `at` and the column command that follows it.
+  /// Books an LPDDR5 CAS command, which starts the data clock WCK, at cycle `at`, and the read or write that follows
+  /// it.
   void book_cas_and_column(Cycle at) { book_kind(kSync, at); }
 
  private:
   static constexpr std::size_t kColumn = 0, kActivate = 1, kPrecharge = 2, kSync = 3, kKinds = 4;
-  /// Bit of an ACT-2 in `act2_conflicts_`: more than the cycles from a command to any ACT-2 with which it can conflict.
+  /// Position of the ACT-2's bit in the masks `act2_conflicts_`. Must exceed the cycles from a command to any ACT-2
+  /// with which the command can conflict.
   static constexpr std::uint32_t kLatest = 32;
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
@@ -110,7 +113,8 @@ class CommandCalendar {
   bool can_displace_act2(std::size_t kind, Cycle at) const {
     return kind != kPrecharge && at + half_activate_ <= act2_end_ && act2_cycle_if_booked(kind, at) <= act2_until_;
   }
-  /// Returns the cycle to which the pending ACT-2 moves if a command takes its place at cycle `at`.
+  /// Returns the cycle to which the pending ACT-2 moves if a command of kind `kind`, booked at cycle `at`, displaces
+  /// it.
   Cycle act2_cycle_if_booked(std::size_t kind, Cycle at) const {
     return at + cycles_until_free(mask_relative_to(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
@@ -155,13 +159,14 @@ class CommandCalendar {
   const std::array<std::uint64_t, kKinds> command_bus_;
   const std::uint64_t data_bus_;  ///< mask of the data bus cycles that a line occupies
   Cycle base_ = 0;
-  /// Start cycles that booked commands block, as a mask for each kind of command. The pending ACT-2 is not included.
+  /// For each kind of command, mask of the start cycles that booked commands block. The pending ACT-2 is not included.
   std::array<std::uint64_t, kKinds> blocked_{};
   std::uint64_t blocked_data_ = 0;
   Cycle act2_end_ = 0;    ///< first cycle after the last booked ACT-2; 0: none yet
   Cycle act2_until_ = 0;  ///< latest cycle to which the last booked ACT-2 may move
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
-  /// Masks of the start cycles of a line's data that a column command blocks: [0] without, [1] with a preceding CAS.
+  /// For a booked read or write, mask of the cycles in which the data of another line cannot start. [0]: without a CAS
+  /// before the command; [1]: with a CAS.
   std::array<std::uint64_t, 2> forbids_data_{};
   /// Mask, for each kind of command, of the start cycles that conflict with an ACT-2 at bit kLatest.
   std::array<std::uint64_t, kKinds> act2_conflicts_{};

@@ -311,8 +311,8 @@ Experiment as_configured(const DramConfig& config) {
   return m;
 }
 
-/// Returns the power of an idle DRAM channel in mW: refreshes plus the standby power of all ranks. `standby`: of one
-/// rank.
+/// Returns the power of an idle DRAM channel in mW: refreshes plus the standby power of all ranks. `standby`: standby
+/// power of one rank.
 double background_mw(const DramConfig& config, const sim::Band& standby) {
   const bool all = config.controller.refresh == RefreshKind::kAllBank;
   const double refresh = all ? config.energy.refresh_all.nominal : config.energy.refresh.nominal;

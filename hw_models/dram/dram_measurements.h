@@ -117,8 +117,9 @@ struct DramMeasurement {
   bool is_within_tolerance() const;
 };
 
-/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Unless
-/// measured, refresh and power-down are off and rows stay open. Each measurement has its own address mapping.
+/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Refresh
+/// and power-down are off and rows stay open, except in the measurements of these features. Each measurement has its
+/// own address mapping.
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
 /// Measures the nominal energy of a DRAM channel as configured, with all ranks and refreshes. Reports pJ/bit of

@@ -6,8 +6,9 @@
 namespace hw {
 
 /// Replaces `best` if one of the given banks of a rank has a better command of kind `kCommand`. Rank and bus
-/// constraints delay all banks of the rank equally. So the first cycle that they allow goes to the oldest request whose
-/// bank is ready by then. If no bank is ready, this applies to the first free cycle after one becomes ready.
+/// constraints delay all banks of the rank equally. So the candidate starts in the first cycle that these constraints
+/// allow, for the oldest request whose bank is then ready. If no bank is then ready, the same applies from the cycle at
+/// which the first bank becomes ready.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
                                                                       std::uint32_t rank, bool writes, Cycle from,

@@ -48,7 +48,7 @@ class ScheduledCommand {
 /// Masks of the DRAM banks for which a scheduling policy allows commands.
 struct EligibleBanks {
   std::uint32_t all = 0;      ///< mask of the banks for which the policy allows any command
-  std::uint32_t columns = 0;  ///< mask of the banks for which it allows a read or write of the open row
+  std::uint32_t columns = 0;  ///< mask of the banks for which the policy allows a read or write of the open row
 };
 
 /// FR-FCFS (first ready, first come, first served; Rixner et al. 2000). A row hit may overtake older requests of its

@@ -119,7 +119,8 @@ inline constexpr auto kDramConstraints = [] {
   });
 }();
 
-/// Returns the number of cycles of each entry of kDramConstraints for a DRAM configuration (configs/dram/).
+/// Returns, for each constraint of kDramConstraints, its minimum distance in cycles for a DRAM configuration
+/// (configs/dram/).
 inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
   std::array<std::int64_t, kDramConstraints.size()> cycles{};
   const DramTerms terms(config);

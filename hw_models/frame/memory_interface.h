@@ -84,14 +84,16 @@ class MemoryFifo {
     Record record;
     sim::Time arrived = 0;
   };
-  /// A read request to the ring buffer. `end`: end of the requested bytes, counted in the stream of all records.
+  /// A read request to the ring buffer. `end`: end of the requested bytes, as an offset in the sequence of all records
+  /// ever written.
   struct Chunk {
     Addr end = 0;
     bool has_arrived = false;
   };
 
   static Addr end_of_line(Addr address) { return line_of(address) + kLineBytes; }
-  /// Returns the maximum number of outstanding read requests of a FIFO. Each ends at the end of a record or line.
+  /// Returns the maximum number of outstanding read requests of a FIFO. Each request ends at the end of a record or
+  /// line.
   static std::size_t max_chunks(const Shape& shape) {
     return shape.depth * (std::size_t{shape.record_bytes} / kLineBytes + 2);
   }

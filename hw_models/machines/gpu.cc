@@ -43,7 +43,8 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 
 namespace {
 
-/// Returns the size in bytes of the memory for one core's ray spills: rays and hits of one chunk, for two batches.
+/// Returns the size in bytes of a core's memory for spilled rays: the rays and hits of one chunk of a kernel launch
+/// that emits two batches of rays.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 
 /// Returns the start address of each Area in memory: the frame's regions after the scene, then the given core's space
@@ -60,7 +61,8 @@ std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu
   return areas;
 }
 
-/// Returns the start address of a core's ring buffers for rays and hits, used without a direct interface.
+/// Returns the start address of a core's ring buffers for rays and hits, used if shader core and T&I unit have no
+/// direct interface.
 Addr record_memory_of_core(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   const Addr spills_end = memory_areas_of_core(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
   return spills_end + core * MemoryInterface::memory_bytes(config.direct_interface);

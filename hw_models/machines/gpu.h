@@ -67,7 +67,8 @@ class Gpu {
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA engines sRGB-encode finished pixels
     Observer* observer = nullptr;
-    /// Schedules of all kernels, from a GPU with equal shader cores. Null: the constructor schedules the kernels.
+    /// Schedules of all kernels, computed for another GPU with the same shader core configuration. Null: the
+    /// constructor schedules the kernels.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 
@@ -127,8 +128,8 @@ class Gpu {
     Dma* dma = nullptr;
     RasterUnit* raster = nullptr;  ///< the core's rasteriser; null if there is none
   };
-  /// Links for rays and hits between shader core and T&I unit: of the direct interface, or of each end to the memory
-  /// interface.
+  /// Links for rays and hits between shader core and T&I unit. With a direct interface, both units use the same link;
+  /// otherwise each unit has its own link to the memory interface.
   struct Interface {
     sim::Link<RayJob>&rays_from_srp, &rays_to_tni;
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;

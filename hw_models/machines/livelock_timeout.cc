@@ -5,7 +5,7 @@
 namespace hw {
 namespace {
 
-/// Safety factor of the livelock timeout for effects that its formula ignores; chosen.
+/// Safety factor of the livelock timeout, for effects that its formula ignores. The value is an assumption.
 constexpr sim::Time kMargin = 8;
 /// Upper limit of the livelock timeout: longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;

@@ -34,7 +34,7 @@ class CacheTags {
     Addr evicted = 0;
   };
 
-  /// `clock`: value at which the counter of uses starts; for tests of its overflow.
+  /// `clock`: initial value of the counter that stamps each use of a line. Only tests set it, near the overflow.
   explicit CacheTags(const CacheConfig& config, std::uint32_t bank_count = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
         set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(bank_count))),
@@ -172,7 +172,7 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up to a multiple of four
+  std::uint32_t ways_, stride_;  ///< number of ways per set; this number rounded up to a multiple of four
   std::size_t words_;            ///< number of array elements per set in `sets_`
   Replacement replacement_;
   Addr set_mask_;

@@ -50,7 +50,8 @@ void CorePort::finish(sim::Time end) {
   stats_.line_wait = clock_.cycles(line_wait_);
 }
 
-/// If a line transfer has ended since the last tick, charges the cycles after its end to the reason for waiting.
+/// If a line transfer of the core port has ended since the last tick, charges the cycles after its end to the reason
+/// for waiting.
 inline void CorePort::account_until(sim::Time until) {
   if (line_transfer_end_ >= activity_.accounted_until() && line_transfer_end_ < until)
     activity_.spend(line_transfer_end_, clock_.period(), waiting_, waiting_);

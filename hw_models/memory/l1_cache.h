@@ -46,8 +46,8 @@ class L1Cache {
   /// Reads a line if it is cached. Otherwise returns false without side effects. Must not be called for ideal caches.
   bool try_hit(Addr line) { return tags_.probe(line); }
 
-  /// Requests a line in advance, on behalf of a slot that does not wait for it. Returns false if the line is cached or
-  /// already requested. Requires a free MSHR.
+  /// Prefetches a line into the first-level cache, on behalf of a slot of the owning unit. The slot does not wait for
+  /// the line. Returns false if the line is cached or already requested. Requires a free MSHR.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (has_line(line) || find_miss(line) != nullptr) return false;
     request_line(line, {0, cycle}, slot_tiles_[slot]);
@@ -58,13 +58,15 @@ class L1Cache {
   void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
   TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
-  /// Fills a line into the cache and frees its MSHR. Returns the slots that waited, and the cycle of the miss.
+  /// Fills a line into the first-level cache and frees its MSHR. Returns the completed miss: the slots that waited for
+  /// the line, and the cycle of the miss.
   Miss fill_line(Addr line) {
     tags_.fill_line(line);
     return misses_.release(line);
   }
 
-  /// Puts a line into the cache without taking simulated time (Gpu::warm_caches). Returns true if it was cached.
+  /// Puts a line into the first-level cache without taking simulated time (Gpu::warm_caches). Returns true if the line
+  /// was already cached.
   bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill_line(line);
@@ -72,7 +74,7 @@ class L1Cache {
   }
 
   const CacheTags& tags() const { return tags_; }
-  /// Replaces the tag array, and so the cached lines. No miss may be outstanding.
+  /// Replaces the tag array, and so the lines, of the first-level cache. No miss may be outstanding.
   void set_tags(const CacheTags& tags) { tags_ = tags; }
 
   /// True if the line is cached. The line is not marked as used.

@@ -225,10 +225,11 @@ class L2Bank {
     bool needs_mshr = false;  ///< the request missed and found no free MSHR
     sim::Time arrived = 0;
   };
-  /// The last filled line, whose waiting requests are answered one per cycle.
+  /// The line that was filled last into the L2 bank. The requests that waited for it are answered one per cycle.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0, count = 0;  ///< index of the next waiting request to answer, and number of all
+    std::uint32_t next = 0,
+                  count = 0;  ///< index of the next waiting request to answer, and number of all waiting requests
     const Waiters* waiters = nullptr;
     bool has_waiters() const { return next < count; }
     const Waiter& next_waiter() const { return waiters->list[next]; }

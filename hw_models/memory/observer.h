@@ -57,7 +57,8 @@ struct LoopEnded {
   std::uint32_t core = 0;
   traces::KernelId kernel = 0;
   sim::Time begin = 0, configured = 0, start = 0,
-            /// Times: start of the kernel switch, start of the bank conflicts, start of the loop, end of the loop.
+            /// Times of the loop: start of the kernel switch, start of the stall for bank conflicts, start of the loop,
+            /// end of the loop.
       end = 0;
   sim::Time stalled = 0;     ///< time for which the loop stalled on data cache misses
   std::uint64_t cycles = 0;  ///< shader core cycles charged to the kernel for this loop

@@ -13,9 +13,10 @@ namespace hw {
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
-  /// Cycles on the shader core's array. Those of a loop, from kernel switch to drain, are divided among its items.
+  /// Cycles of the shader core's array that are charged to the tile. The cycles of a loop, from kernel switch to drain,
+  /// are divided among the loop's items.
   std::uint64_t srp_cycles = 0;
-  /// Lines read from or written to the memory system, by RequesterKind.
+  /// Lines that the tile has read from or written to the memory system, by RequesterKind.
   std::array<std::uint64_t, kRequesterKinds> lines{};
   std::uint64_t l2_hits = 0, l2_misses = 0, l2_fills = 0, l2_writes = 0;
   std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< DRAM lines read and written; DRAM rows opened

@@ -237,8 +237,8 @@ bool RasterUnit::end_back_stage(sim::Time now) {
   return true;
 }
 
-/// Finishes the rasteriser's oldest job after its last triangle: writes the batch's list entries or the wave's hits,
-/// then notifies the core.
+/// Finishes the rasteriser's oldest job after its last triangle. Writes the tile-list entries of a batch (geometry
+/// pass) or the hits of a wave of samples, then notifies the core.
 bool RasterUnit::finish_oldest_job(sim::Time now) {
   if (!has_jobs() || finished_ < job_at(ended_).triangle_count()) return false;
   const Job& of = job_at(ended_);

@@ -171,7 +171,7 @@ class RasterFetch {
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
   /// Adds a triangle to the window of triangles whose lines are fetched. `entry`: index of its tile-list entry, or
-  /// kBatch. `tile`: tile to which the requests are charged.
+  /// kBatch for a triangle of the geometry pass. `tile`: tile to which the requests are charged.
   void add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
@@ -182,7 +182,8 @@ class RasterFetch {
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }
 
-  /// Looks up lines of the triangles in the window in the L1. Returns true if a fetch stage has advanced.
+  /// Looks up, in the L1, cache lines of the triangles in the rasteriser's window. Returns true if a fetch stage has
+  /// advanced.
   bool look_up_lines();
   void fill_line(Addr line);
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
@@ -191,7 +192,7 @@ class RasterFetch {
   }
   std::string state() const;
   const CacheTags& l1_tags() const { return l1_.tags(); }
-  /// Replaces the lines in the L1. Must be called before the first cycle.
+  /// Replaces the contents of the rasteriser's L1. Must be called before the first cycle.
   void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
 
  private:
@@ -212,8 +213,8 @@ class RasterFetch {
 
   Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
   const Slot& slot_of(std::uint64_t number) const { return slots_[number % slots_.size()]; }
-  /// Looks up the next line of the oldest triangle in a fetch stage, or passes a triangle on that needs no line there.
-  /// Returns false if the stage cannot advance. Adds look-ups to `lookups_done`.
+  /// Looks up the next cache line of the oldest triangle in a fetch stage of the rasteriser. If the triangle needs no
+  /// line, passes it on to the next stage. Returns false if the stage cannot advance. Adds look-ups to `lookups_done`.
   bool advance_stage(Stage stage, std::uint32_t& lookups_done);
   void collect_lines(Stage stage, Slot& slot);
   void collect_vertex_lines(Slot& slot);
@@ -300,7 +301,7 @@ class RasterUnit {
   bool idle() const { return !has_jobs() && writes_.empty(); }
   std::string state() const;
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
-  /// Replaces the lines in the L1. Must be called before the first cycle.
+  /// Replaces the contents of the rasteriser's L1. Must be called before the first cycle.
   void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
 
  private:
@@ -338,8 +339,8 @@ class RasterUnit {
   bool has_jobs() const { return taken_ != ended_; }
   /// Moves the cursor to the first job with an unprocessed triangle. Returns false if no job has one.
   bool advance_cursor(Cursor& cursor) const;
-  /// Counts the work of listing a triangle (geometry pass), or of finding the samples that it covers (wave). Returns
-  /// the cycles that the back stage takes for it.
+  /// Counts the events of the rasteriser's back stage for one triangle: adding it to tile lists (geometry pass), or
+  /// finding the samples that it covers (wave). Returns the cycles that this takes.
   std::uint64_t count_listing_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t count_coverage_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();

@@ -87,7 +87,8 @@ class LoopChunks {
   std::uint32_t items_ = 0, working_ = 0;
 };
 
-/// The software-pipelined loop that a shader core's array runs. Array time is the time since its start without stalls.
+/// The software-pipelined loop that a shader core's array runs. Array time is the time since the start of the loop,
+/// minus its stall time.
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
@@ -100,7 +101,7 @@ struct ArrayLoop {
   sim::Time stall_time = 0;               ///< stall time of the loop so far
   sim::Time stalled_since = sim::kNever;  ///< time at which the current stall began; kNever: the loop is not stalled
   std::uint32_t next_item = 0;            ///< next loop item whose cache lines will be requested
-  std::uint32_t next_line = 0;            ///< index of the next cache line of this item
+  std::uint32_t next_line = 0;            ///< index of the next cache line of item `next_item` to request
   std::uint32_t ii = 1, depth = 0;
 
   bool is_stalled() const { return stalled_since != sim::kNever; }

@@ -14,8 +14,8 @@ using kernels::Op;
 
 namespace {
 
-/// A local memory access of every item of a loop. `slot`: its cycle within the initiation interval. `behind`: number of
-/// younger items that have started by then.
+/// A local memory access that every item of a loop makes. `slot`: cycle of the access within the initiation interval.
+/// `behind`: number of younger items that have started before the access.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
   std::uint32_t words = 1;  ///< length of the accessed record in 16-byte words

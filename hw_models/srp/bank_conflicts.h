@@ -5,11 +5,12 @@
 
 namespace hw {
 
-/// Stall cycles of a kernel's loop by bank conflicts in local memory: `cycles` per `items` items in a full pipeline.
+/// Stalls of a kernel's loop for bank conflicts in local memory. With a full pipeline, every `items` items cost
+/// `cycles` stall cycles.
 struct BankConflicts {
   std::uint64_t cycles = 0;
   std::uint64_t items = 1;
-  /// Returns the stall cycles of a loop of `items_in_loop` items.
+  /// Returns the cycles for which bank conflicts stall a loop of `items_in_loop` items.
   std::uint64_t stall_cycles(std::uint64_t items_in_loop) const { return cycles * items_in_loop / items; }
 };
 

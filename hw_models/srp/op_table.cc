@@ -9,7 +9,7 @@ using kernels::Op;
 
 struct Table {
   std::array<OpClass, static_cast<std::size_t>(Op::kCount)> class_of{};
-  /// Configuration key of each class's latency; null: latency 0, or computed by latency_of().
+  /// Configuration key of the latency of each operation class. Null: the latency is 0, or latency_of() computes it.
   std::array<std::uint32_t OpLatencyConfig::*, kOpClasses> latency{};
   std::array<const char*, kOpClasses> event{};
   std::size_t ops = 0;  ///< number of operations that are assigned to a class

@@ -13,7 +13,7 @@ struct RayFeed {
   std::uint64_t after_spill = 0;  ///< the rays wait until this number of spill transfers has finished
 };
 
-/// The batches of rays that a shader core is sending to the T&I unit, and the number of its rays there.
+/// The batches of rays that a shader core is sending to the T&I unit, and the number of the core's rays in that unit.
 struct RayFeeder {
   std::vector<RayFeed> feeds;   ///< batches of rays being sent, in the order of the launches that produce them
   sim::Time next_at = 0;        ///< time at which the direct interface accepts the next ray

@@ -51,7 +51,8 @@ class ScheduleGraph {
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// Source of a value: an operation of the item `distance` items earlier. kNone: a constant or the item's number.
+  /// The operation that produces an operand, in the loop item `distance` items earlier. kNone: the operand is a
+  /// constant or the item's number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
     std::uint32_t distance = 0;
@@ -82,7 +83,7 @@ inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
 Pool pool_of(OpClass op_class);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
-/// Returns the number of units that can execute operations of this class. They are the first ones of their pool.
+/// Returns the number of units that can execute operations of the class. These units come first in their pool.
 std::uint32_t capable_units(OpClass op_class, const ArrayConfig& array);
 /// Returns the smallest initiation interval at which the array has enough units and ports for a kernel's operations.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);

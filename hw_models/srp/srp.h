@@ -220,7 +220,7 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// Arrival times of the next tile or border update, hit, cache line, and finished transfer.
+  /// Arrival times, at the shader core, of the next tile or border update, hit, cache line, and finished transfer.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;

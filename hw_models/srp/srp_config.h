@@ -58,7 +58,8 @@ struct ArrayConfig {
   }
 };
 
-/// Maximum latency of a data-cache load in cycles. Loop items that wait for lines are bits of a 64-bit word.
+/// Maximum latency of a data-cache load in cycles. It is 64 because the loop items that wait for lines are bits of a
+/// 64-bit word.
 inline constexpr std::uint32_t kMostLoadCycles = 64;
 
 /// Latencies of kernel operations: cycles from an operation's issue to the first use of its result.

@@ -12,7 +12,7 @@ struct KernelUse {
   std::uint64_t items = 0;
   std::uint64_t idle = 0;     ///< number of idle items, which are included in `items`
   std::uint64_t cycles = 0;   ///< shader core cycles of the kernel, including switches and stalls
-  std::uint64_t starved = 0;  ///< number of these cycles in which the T&I unit had no ray
+  std::uint64_t starved = 0;  ///< number of the kernel's cycles in which the T&I unit had no ray
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;

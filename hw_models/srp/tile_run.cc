@@ -12,8 +12,8 @@ using traces::WorkNode;
 
 namespace {
 
-/// True if the node's items, rays or samples to rasterise, occupy ray slots of the tile buffer. The launch that
-/// produces them allocates the slots.
+/// True if the items of a work graph node are rays, or samples to rasterise, which occupy ray slots of the tile buffer.
+/// The launch that produces them allocates the slots.
 bool has_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }

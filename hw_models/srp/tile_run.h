@@ -17,8 +17,8 @@ inline constexpr std::uint32_t kMaxRays = 1U << 24;
 /// shader core (SRP) tracks them.
 class TileRun {
  public:
-  /// Starts a tile. `chunk_items_limit`: maximum items per chunk of a launch; a chunk is ready when the inputs of all
-  /// its items are. `missing_borders`: mask of the imported borders that are not in memory yet.
+  /// Starts a tile. `chunk_items_limit`: maximum items per chunk of a launch. A chunk is ready when the inputs of all
+  /// its items are ready. `missing_borders`: mask of the imported borders that are not in memory yet.
   void start_tile(const traces::TileWork& work, std::uint32_t chunk_items_limit, std::uint32_t missing_borders = 0,
                   TileTag tag = kNoTile);
   void set_missing_borders(std::uint32_t border_mask) { missing_ = border_mask; }
@@ -33,7 +33,8 @@ class TileRun {
   std::uint32_t total_items(std::uint32_t node_id) const { return node(node_id).items + node(node_id).idle; }
   /// Returns the number of finished items of a work graph node.
   std::uint32_t done_items(std::uint32_t node_id) const { return progress_[node_id].done; }
-  /// True if nodes that depend on the given node may start. Idle items of the given node may still be running.
+  /// True if nodes that depend on the given work graph node may start. Idle items of the given node may still be
+  /// running.
   bool releases_dependents(std::uint32_t node_id) const { return progress_[node_id].done >= node(node_id).items; }
   bool is_complete(std::uint32_t node_id) const { return progress_[node_id].done == total_items(node_id); }
   bool is_tile_complete() const { return nodes_left_ == 0; }
@@ -42,8 +43,8 @@ class TileRun {
   /// True if unfinished nodes depend on the given work graph node.
   bool is_awaited(std::uint32_t node_id) const { return progress_[node_id].readers > 0; }
 
-  /// Returns the last launch n in graph order whose next chunk is ready and for which usable(n) is true, or kNone. The
-  /// last one, so that consumers run before producers.
+  /// Returns the last launch n in graph order whose next chunk is ready and for which usable(n) is true, or kNone.
+  /// Choosing the last launch makes consumers run before producers.
   template <class Usable>
   std::uint32_t next_launch(Usable&& usable) const {
     for (std::uint32_t n = node_count(); n-- > 0;) {
@@ -72,7 +73,8 @@ class TileRun {
   bool is_awaiting_border() const { return awaits_border_; }
   /// Returns the number of items in the next chunk of a launch, including idle ones.
   std::uint32_t next_chunk_size(std::uint32_t launch) const;
-  /// Returns the item, in the launch that produces a batch, which produces ray number `ray_index` of the batch.
+  /// Returns the item that produces ray number `ray_index` of a batch. The item belongs to the launch that produces the
+  /// batch.
   std::uint32_t source_item(std::uint32_t batch, std::uint32_t ray_index) const {
     const std::uint32_t map = node(batch).sources;
     return map == traces::WorkNode::kNone ? ray_index : work_->sources[map + ray_index];

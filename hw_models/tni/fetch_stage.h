@@ -79,7 +79,7 @@ class FetchStage {
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
   }
-  /// True while a slot that stalled or resumed after a miss has priority over all other slots.
+  /// True while a slot that stalled or resumed after a miss has priority over all other slots of the fetch stage.
   bool is_stalled() const {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
@@ -202,7 +202,7 @@ class FetchStage {
     stats_.l1_late += (late_ & slot_mask) != 0;
     late_ &= ~slot_mask;
   }
-  /// Clears the bits of a slot that probes again in all masks of waiting slots.
+  /// Removes slots, which now probe again, from all masks of waiting slots.
   void clear_waits(std::uint64_t slot_mask) {
     missing_ &= ~slot_mask;
     no_mshr_ &= ~slot_mask;

@@ -132,7 +132,7 @@ class Ist {
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
-  /// Mask of the slots with an answer to send, and mask of the slots that need to read a line.
+  /// Mask of the IST's slots with an answer to send, and mask of the slots that need to read a line.
   TimingWheel<kPipes>::Masks waiting_{};
   FetchStage fetch_;
   std::vector<Slot> slots_;

@@ -18,7 +18,8 @@ struct StackEntryOrigin {
   std::uint32_t instance = traces::kNone;
 };
 
-/// The nodes that a ray visits again after a restart, and the instance that it enters again; the next one is last.
+/// The nodes that a ray visits again after a restart, and the instance that the ray enters again. The next node is
+/// stored last.
 class RestartPath {
  public:
   RestartPath() { path_.reserve(kUsualDepth); }
@@ -72,9 +73,9 @@ class TraversalSlot {
   TraversalSlot(const std::uint32_t* walk, std::uint32_t id) : id_(id) { go_to_step(walk); }
 
   std::uint32_t ray_id() const { return id_; }
-  /// Returns the first word of the ray's next step.
+  /// Returns the first word of the ray's next step in its recorded walk.
   std::uint32_t next_step() const { return next_step_; }
-  /// Returns the word of the walk that encodes the ray's last completed visit.
+  /// Returns the word of the recorded walk that encodes the ray's last completed visit.
   std::uint32_t last_visit() const { return next_word_[-1]; }
   /// Returns the phases with which the triangle tests of a leaf end. The next step must be a leaf.
   std::uint32_t exit_phases() const { return next_word_[1]; }

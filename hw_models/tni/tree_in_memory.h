@@ -35,7 +35,7 @@ struct TreeInMemory {
     return instances + Addr{instance} * sizeof(traces::InstanceRecord);
   }
 
-  /// A cache line that a visit to a node reads.
+  /// One of the cache lines that a visit to a BVH node reads.
   struct Line {
     Addr line = 0;
     bool last = true;  ///< true for the last line that the visit reads

@@ -18,7 +18,7 @@
 
 namespace hw {
 
-/// Features of a traversal unit that its ticks test.
+/// Features of a traversal unit on which the code of its tick depends.
 struct TrvFeatures {
   bool instances = false;   ///< the scene has instances (a two-level BVH)
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point

@@ -39,8 +39,8 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Collects the origins (files, --set arguments) of the group's fields that were set nearest to the user
-/// (ConfigNode::nearness), if that is nearer than `than`. Updates `than`.
+/// Finds the fields of a group whose settings have the highest precedence (ConfigNode::nearness), if that is higher
+/// than `than`. Collects the origins of these settings (files, --set arguments) and updates `than`.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
@@ -55,8 +55,8 @@ void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vecto
   }
 }
 
-/// Throws InputError for a field that violates a rule of its group. If other fields of the group were set nearer to the
-/// user, the error names their origins, because these settings caused it.
+/// Throws InputError for a field that violates a rule of its group. If other fields of the group were set with a higher
+/// precedence (ConfigNode::nearness), the error names the origins of these settings, because they caused it.
 [[noreturn]] void throw_rule_violation(const ConfigNode& group, std::string_view at, std::size_t nearness,
                                        const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;

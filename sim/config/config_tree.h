@@ -155,7 +155,7 @@ ConfigNode config_tree(Config& config) {
 /// `origin`: name of the configuration, for errors about keys with default values.
 void check_tree(const ConfigNode& root, std::string_view origin = {});
 
-/// Throws InputError("<origin>: <path>: <problem>"); empty parts are left out.
+/// Throws InputError("<origin>: <path>: <problem>"). An empty origin or path is left out.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
 /// Returns a hint for an unknown key in a group. It is "did you mean 'x'?", with the same key in another group or the

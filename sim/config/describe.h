@@ -31,7 +31,8 @@ Json json_of(const ConfigNode& root);
 Json schema_of(const ConfigNode& root);
 std::string manual_of(const ConfigNode& root);
 
-/// Returns the YAML lines of one field, or those of a group without its fields. `depth`: number of enclosing groups.
+/// Returns the YAML lines of one field, or the lines of a group without those of its fields. `depth`: number of
+/// enclosing groups.
 std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments);
 
 }  // namespace sim

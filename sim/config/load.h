@@ -21,8 +21,8 @@ void set_config_search_path(std::vector<std::filesystem::path> folders);
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
                                   std::string_view asked_at = {}, std::string_view group = {});
 
-/// Reads configuration files and --set arguments, one after another, into a configuration tree. Each changes only the
-/// fields that it contains. Functions throw InputError.
+/// Reads configuration files and --set arguments, one after another, into a configuration tree. Each file or argument
+/// changes only the fields that it contains. Functions throw InputError.
 class ConfigLoader {
  public:
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}

@@ -48,7 +48,7 @@ std::optional<Decimal> read_decimal(std::string_view text) {
   return number;
 }
 
-/// Divides the product a x b by a prime: divides the factor `a` or `b`. Returns false if neither is divisible.
+/// Divides the product a x b by a prime, by dividing `a` or `b`. Returns false if the prime divides neither.
 bool divide_out(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
   std::uint64_t& factor = a % prime == 0 ? a : b;
   if (factor % prime != 0) return false;
@@ -95,7 +95,7 @@ std::uint64_t read_quantity(std::string_view text, std::span<const MeasureUnit> 
 std::string quantity_text(std::uint64_t base_units, std::span<const MeasureUnit> units) {
   if (base_units == 0) return fmt::format("0 {}", units.front().name);
   auto unit = units.rbegin();
-  while (base_units % unit->factor != 0) ++unit;  // ends at the smallest unit, whose factor is 1
+  while (base_units % unit->factor != 0) ++unit;  // the loop ends at the latest at the smallest unit, whose factor is 1
   return fmt::format("{} {}", base_units / unit->factor, unit->name);
 }
 

@@ -7,8 +7,8 @@
 
 namespace sim {
 
-/// Exception: a text is not a value of a configuration field. It contains the problem and what is allowed; the caller
-/// adds the place.
+/// Exception: a text is not a value of a configuration field. The exception contains the problem and the allowed
+/// values; the caller adds file and line.
 struct BadValue {
   std::string problem;
 };

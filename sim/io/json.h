@@ -32,7 +32,7 @@ class JsonError : public std::runtime_error {
       : std::runtime_error(what), kind(found), bytes_read(bytes) {}
 
   Kind kind;
-  std::size_t bytes_read;  ///< for kSyntax: number of bytes up to and including the invalid one
+  std::size_t bytes_read;  ///< for kSyntax: number of bytes up to and including the invalid byte
 };
 
 /// An iterator over the elements of a JSON array or over the values of a JSON object.

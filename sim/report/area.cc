@@ -11,7 +11,7 @@
 namespace sim {
 namespace {
 
-/// Returns the area of a unit's memory array. If several units share an array as its banks, it is the unit's share.
+/// Returns the area of a unit's memory array. If several units share an array as its banks, returns the unit's share.
 Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {

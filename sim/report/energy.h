@@ -161,7 +161,7 @@ class EnergyFormula {
   const std::vector<std::string>& block_names() const { return blocks_; }
 
  private:
-  /// Energy of one event: from the energy table for a size of memory array, or from the model of a device.
+  /// Energy of one kind of event: from the energy table, for a memory array of one size, or from the model of a device.
   struct EventEnergy {
     EnergyPoint point{};
     const DeviceEvent* device = nullptr;

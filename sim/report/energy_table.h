@@ -16,7 +16,7 @@ using BandMember = double Band::*;
 inline constexpr std::array<BandMember, 3> kBandMembers = {&Band::low, &Band::nominal, &Band::high};
 
 /// Energy of an event for one size of memory array: a point of a curve, or a power-law interpolation between two
-/// points. It refers to values in the energy table, which may change later.
+/// points. The object refers to values in the energy table, which may change later.
 struct EnergyPoint {
   const Band* left = nullptr;
   const Band* right = nullptr;  ///< second point; null: the energy is that of `left`
