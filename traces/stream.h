@@ -12,7 +12,7 @@ namespace traces {
 /// Number of a shader kernel; shader_kernels/catalogue.h has the kernels' names and bodies.
 using KernelId = std::uint16_t;
 
-/// One read from memory by a kernel, through the SRP's data cache. It consists of an object and an element instead of
+/// One read from memory by a kernel, through the SRP's data cache. An Access names an object and an element instead of
 /// an address.
 struct Access {
   enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle, kInstance };
@@ -32,7 +32,7 @@ struct Access {
   std::uint32_t texture() const { return object & ((1U << 29) - 1); }
 };
 
-/// A dependence: the items of a node wait for those of an earlier node of the same tile.
+/// An edge of a tile's work graph: the items of a node wait for those of an earlier node of the same tile.
 struct Edge {
   enum class Kind : std::uint8_t {
     kAll,   ///< a barrier: all items of `node` must finish before any item starts

@@ -24,7 +24,7 @@ namespace traces {
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
 
-/// The phase of a triangle test in which it stopped. A hit passes all three.
+/// The phase of a triangle test in which the test ended. A hit passes all three phases.
 enum class ExitPhase : std::uint32_t { kDistance = 1, kBarycentric = 2, kHit = 3 };
 
 inline constexpr std::uint32_t kMaxNodes = 1U << 27;

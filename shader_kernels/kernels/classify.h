@@ -28,7 +28,7 @@ struct ClassifyHits {
   }
 };
 
-/// Appends the surface in ray slot `slot` to the list `stream` if `bit` is set in its material classes.
+/// Appends the surface in ray slot `slot` to the list `stream` if `bit` is set in the surface's material classes.
 template <class V>
 void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit,
                          const Local<V, WordRecord>& stream, Counter<V>& count) {
@@ -117,8 +117,8 @@ struct ClassifyOccluded {
   }
 };
 
-/// True if a hit must be tested for transparency. `solid` is the largest triangle word (flags and index) that needs no
-/// test.
+/// True if a hit must be tested for transparency. `solid`: largest word of the hit triangle (flags above index) for
+/// which no test is needed.
 template <class V>
 M<V> needs_transparency_test(const I<V>& triangle, const I<V>& solid) {
   return logical_and(solid < triangle, triangle < traces::kNoHit);

@@ -206,8 +206,9 @@ struct CastAmbient {
 using CastOcclusion = CastAmbient<false>;
 using CastOcclusionShare = CastAmbient<true>;
 
-// Effects at a lower rate (docs/design/effects.md): only one pixel of 2 x 2, or every other pixel of a checkerboard,
-// emits effect rays. The other pixels average the visible fraction of a light over the pixels around them.
+// Effects at a lower rate than primary rays (docs/design/effects.md): only one pixel of 2 x 2, or every other pixel of
+// a checkerboard, emits effect rays. The other pixels average the visible fraction of a light over the pixels around
+// them.
 
 /// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays.
 template <class V, bool kCheckerboard>
@@ -215,7 +216,8 @@ I<V> effect_rays_skipped(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
-/// Lists the samples that emit rays for effects at a lower rate. In the tile buffer each sample is one pixel.
+/// Lists the samples that emit effect rays, if effects such as occlusion are traced at only some pixels. The tile
+/// buffer then has one sample per pixel.
 template <bool kCheckerboard>
 struct SelectEffects {
   static constexpr std::string_view kName = kCheckerboard ? "select_effects_checkerboard" : "select_effects";
@@ -244,7 +246,8 @@ struct SelectEffects {
   }
 };
 
-/// Clears the stored light of a sample and its visible fraction, before rays are traced. One launch per light.
+/// Clears a sample's stored light and visible fraction of one light source, before the effect rays to it are traced.
+/// One launch per light source.
 struct ClearEffects {
   static constexpr std::string_view kName = "clear_effects";
   static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";
@@ -293,7 +296,8 @@ struct CombineRatio {
   }
 };
 
-/// Filter weight of a dissimilar pixel, so small that it matters only if no pixel is similar.
+/// Filter weight of a pixel that is not similar to the filtered pixel. It is so small that it matters only if no pixel
+/// is similar.
 inline constexpr float kUnlikeWeight = 1e-4F;
 
 /// Adds the light of one light source to all pixels whose final colours a tile computes. A pixel that emitted no rays
@@ -337,7 +341,8 @@ struct UpsampleEffects {
   }
 
  private:
-  /// Offset in samples from a pixel to another one of its row or column; 0 if the other one is outside the picture.
+  /// Index offset, in samples, from a pixel to another pixel of its row or column; 0 if that pixel is outside the
+  /// picture.
   template <class V>
   struct Step {
     F<V> samples;

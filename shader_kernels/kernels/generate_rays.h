@@ -176,8 +176,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). Of the 16 rays that
-/// generate_jittered_rays would generate for the pixel, they are those in that quarter.
+/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). They are the rays in that quarter, of
+/// the 16 rays that generate_jittered_rays would generate for the pixel.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
@@ -256,12 +256,12 @@ void emit_visible_ray(const I<V>& item, const I<V>& pixel, const I<V>& sample, c
   io.visible.store(sample, visible_miss_record<V>());
 }
 
-/// One of those three samples of a pixel that reconstruct does not shade: it finds only their geometry.
+/// One of the three samples of a pixel for which program reconstruct finds only geometry, without shading.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;
 };
-/// Returns the sample to which item `item` belongs; three consecutive items belong to one pixel.
+/// Returns the sample for which item `item` generates a ray; three consecutive items belong to one pixel.
 template <class V>
 GeometrySample<V> unshaded_sample(const I<V>& item) {
   const DivMod<V> of_pixel = div_mod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));

@@ -12,8 +12,9 @@
 
 namespace kernels {
 
-/// Adds light to a sample's colour. Two items of one sample in flight at once would read a stale sum. No interlock is
-/// modelled, because item lists keep such items far apart (one launch per light, reflections before refractions).
+/// Adds light to a sample's colour. If two items of one sample were in flight at once, the second would read a stale
+/// sum. No interlock is modelled, because item lists keep such items far apart (one launch per light, reflections
+/// before refractions).
 template <class V>
 [[gnu::always_inline]] inline void add_light(const Local<V, ColourRecord>& colours, const I<V>& sample,
                                              const Vec3<V>& light) {

@@ -7,7 +7,8 @@
 
 namespace kernels {
 
-/// Averages the samples of a pixel. Each one is added to a running sum; the pixel's last sample divides the sum.
+/// Averages the samples of a pixel. Each sample is added to a running sum, which the pixel's last sample divides by
+/// their number.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";

@@ -14,8 +14,8 @@
 
 namespace kernels {
 
-/// Position of the eye, and the viewing direction. The length of that vector is the number of depth units per unit of
-/// length.
+/// Position of the eye, and the viewing direction. The length of the direction vector is the number of depth units per
+/// unit of length.
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
@@ -51,8 +51,8 @@ struct RecordVisible {
   }
 };
 
-/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. The new sample collects
-/// the light and geometry of that ray; its geometry begins as a miss.
+/// Gives a mirrored or refracted ray a sample of its own, whose index is `apart` above that of the surface's sample.
+/// The new sample collects the light and geometry of that ray; its geometry begins as a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -150,7 +150,7 @@ class ShadedAround {
   }
 
  private:
-  /// Offset from a sample to that of another column or row; 0 if the other one is outside the picture.
+  /// Index offset from a sample to the sample of another column or row; 0 if that column or row is outside the picture.
   struct Step {
     F<V> samples;
     M<V> inside;

@@ -291,7 +291,7 @@ struct RecordSecondary {
 // Traits are the data that supersample compares between samples. A sample records one of its secondary hits: that of
 // the mirrored or refracted ray with the largest weight, one bounce after the first hit.
 
-/// Returns a checksum of a position. Two hits of one sample almost never have the same one.
+/// Returns a checksum of a position. Two hits of one sample almost never have equal checksums.
 template <class V>
 F<V> position_checksum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});

@@ -35,7 +35,7 @@ struct TexelSample {
     const F<V> low = lower_left + (channel(texels.at11) - lower_left) * right;
     return upper + (low - upper) * lower;
   }
-  /// Returns the blended channel of a linear texture: 0 is red, 3 alpha.
+  /// Returns one bilinearly blended channel of a linear texture. `channel`: 0 is red, 3 is alpha.
   F<V> linear_channel(std::uint32_t channel) const {
     return blend_texels([&](const I<V>& rgba) { return to_float(extract_byte<V>(rgba, channel)) * (1.0F / 255.0F); });
   }

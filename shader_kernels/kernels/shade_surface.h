@@ -44,8 +44,9 @@ Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
   return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;
 }
 
-/// Returns the texture density of a triangle in world space. The length of the mesh normal `n` is its density in mesh
-/// space. Areas perpendicular to n grow by volume * |normal_to_world(n)| / |n|, densities by the square root of that.
+/// Returns the texture density of a triangle in world space: the square root of texture area over world area. The
+/// length of `n`, its normal in mesh space, is the density in mesh space. `length_in_world`: length of
+/// normal_to_world(n).
 template <class V>
 F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
   const F<V> squared = dot(n, n);

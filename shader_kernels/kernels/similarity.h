@@ -10,8 +10,8 @@
 namespace kernels {
 
 /// Similarity checks between the two reference samples around a sample. A kernel stores the failed checks as bits in
-/// the tile buffer; 0 means that all passed. The order is that of the papers. The first failed check is reported as the
-/// reason why a sample is traced.
+/// the tile buffer; 0 means that all passed. The checks are in the order of the papers. The first failed check is
+/// reported as the reason why a sample is traced.
 enum class Check : std::uint8_t {
   kObject,
   kPosition,
@@ -172,7 +172,7 @@ struct CheckSimilarity {
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
     Local<V, ColourRecord> colours;      ///< colours of samples; like the next two ports only in kTexture variants
-    F<V> texture_squared, rate_squared;  ///< squared colour distances above which a sample fails, or passes as rough
+    F<V> texture_squared, rate_squared;  ///< squared colour distances above which a sample fails, or counts as rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);

@@ -496,9 +496,9 @@ struct ShowSubpixels {
   }
 };
 
-/// Decides in a propagation round which inactive sub-pixels become active. It compares each with those of its four
-/// neighbours that the previous round made active; the smallest threshold of the attributes that made these active
-/// applies to the contrast of all.
+/// Decides, in a propagation round of supersample, which inactive sub-pixels become active. A sub-pixel is compared
+/// with those of its four neighbours that the previous round made active. It becomes active if the contrast among all
+/// of them reaches the smallest threshold of the attributes that made these neighbours active.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =
@@ -577,7 +577,7 @@ struct PropagateSubpixels {
   }
 };
 
-/// Averages the sub-pixels of a listed pixel, in four items per pixel.
+/// Averages the colours of a listed pixel's sub-pixels, in four items per pixel.
 struct AverageSubpixels {
   static constexpr std::string_view kName = "average_subpixels";
   static constexpr std::string_view kMeaning = "sub-pixel of a listed pixel -> mean of the pixel's sub-pixels";

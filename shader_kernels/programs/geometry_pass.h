@@ -6,8 +6,8 @@
 
 namespace kernels {
 
-/// Wraps a frame program whose primary hits are found by rasterisation. Before the entries of that program, a geometry
-/// pass adds all triangles to the lists of screen regions.
+/// Wraps a frame program whose primary hits are found by rasterisation. Before the entries (mostly tiles) of that
+/// program, a geometry pass adds all triangles to the triangle lists of screen regions.
 ///
 ///   pass 0: batches of triangles --> lists --> all later passes: the program's own, whose first waves are rasterised
 ///

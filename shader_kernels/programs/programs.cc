@@ -18,7 +18,8 @@
 namespace kernels {
 namespace {
 
-/// Throws if the frame has occlusion or soft shadows: undersample lights interpolated surfaces without rays.
+/// Throws InputError if the frame has occlusion or soft shadows, because program undersample lights interpolated
+/// surfaces without rays.
 void check_undersample_effects(const Effects& effects) {
   for (const Effect effect : {Effect::kOcclusion, Effect::kSoftShadows}) {
     if (!effects.has(effect)) continue;
@@ -29,7 +30,8 @@ void check_undersample_effects(const Effects& effects) {
   }
 }
 
-/// Throws if effects have a lower rate and the program is not full:1, the only one that can filter them.
+/// Throws InputError if effect rays are to be traced at only some pixels and the program is not full:1. Only full:1 can
+/// compute the effects of the other pixels.
 void check_effect_rate(const ProgramSpec& spec, EffectRate rate) {
   if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
   throw sim::InputError(fmt::format(

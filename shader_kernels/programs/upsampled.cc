@@ -9,7 +9,7 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       config_(config),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because a sample keeps much data
+      tiles_(config.width, config.height, config.tile / 2, 1),  // half the tile side, because a sample keeps much data
       order_(tiles_.sample_tiles().rendering_order(Halo::kReload)),
       frame_(frame),
       layers_(scene_.low_rate_light_count()),

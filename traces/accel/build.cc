@@ -76,7 +76,8 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   return image;
 }
 
-/// Recomputes boxes in one backward pass: nodes precede their children, so the boxes of children are known first.
+/// Recomputes the boxes of BVH nodes in one backward pass. Nodes precede their children, so the boxes of the children
+/// are known first.
 void recompute_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];

@@ -224,8 +224,9 @@ struct MemoryImage {
   std::vector<MaterialRecord> materials;
   std::vector<MaterialDetailRecord> details;  ///< further material data; empty if no material needs them
   std::vector<Texture> textures;              ///< textures, with texels row by row; in the GPU's memory they are tiled
-  /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
-  /// Each level is a texture of its own, stored after the previous level. Materials name the first level.
+  /// With mip maps, the number of levels of each texture that is a first level, and 0 for textures that are later
+  /// levels; otherwise empty. Each level is a texture of its own, stored after the previous level. Materials name the
+  /// first level.
   std::vector<std::uint32_t> mip_levels;
   std::uint32_t white = kNoTexture;  ///< a texture with one white texel, for flagged triangles without a base texture
   std::vector<Light> lights;

@@ -17,8 +17,8 @@ constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32",
 enum class BoxRecords : std::uint8_t { kPair, kSingle };
 constexpr std::array<std::string_view, 2> names_of(BoxRecords) { return {"pair", "single"}; }
 
-/// Bits of a plane in hybrid numbers. Twelve planes of 19 bits take 29 bytes, against 48 bytes as floats. This is the
-/// saving of 40 % reported by "hybrid number representations" (2015, doi 10.1145/2818427.2818446).
+/// Bits of a box plane in the hybrid number format. Twelve planes of 19 bits take 29 bytes, against 48 bytes as floats.
+/// This is the saving of 40 % reported by "hybrid number representations" (2015, doi 10.1145/2818427.2818446).
 inline constexpr std::uint32_t kPlaneBits = 19;
 
 constexpr std::uint32_t plane_bits(BoxNumbers numbers) { return numbers == BoxNumbers::kHybrid ? kPlaneBits : 32; }

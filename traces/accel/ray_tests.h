@@ -206,7 +206,7 @@ class RayBoxes {
         inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
 
   /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors are
-  /// proportional to it.
+  /// proportional to this distance.
   static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
@@ -270,14 +270,14 @@ class RayTriangles {
     Lanes t;             ///< distance from the ray's origin to the plane of the triangle
     Lanes slope;         ///< negative if the ray sees the corners in counter-clockwise order
     Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
-    /// Returns a bit for each lane whose triangle the ray passes through.
+    /// Returns a mask of the lanes whose triangle the ray passes through.
     unsigned inside_mask() const {
       const Lanes slack = Lanes::from_float(std::numeric_limits<float>::epsilon()) * abs(sum);
       const unsigned positive = less_equal_mask(-slack, min(min(u, v), w));
       const unsigned negative = less_equal_mask(max(max(u, v), w), slack);
       return (positive | negative) & ~equal_mask(sum, Lanes::from_float(0));
     }
-    /// Returns a bit for each of the `count` triangles at `at` whose face on the ray's side is culled.
+    /// Returns a mask of those of the `count` triangles at `at` whose face on the ray's side is culled.
     unsigned culled_mask(const TriangleRecord* at, unsigned count) const {
       const unsigned clockwise = less_mask(Lanes::from_float(0), slope);
       unsigned lanes = 0;

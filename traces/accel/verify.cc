@@ -23,7 +23,8 @@ constexpr double kIntervalMargin = 1e-5;
 
 Certainty less_certain(Certainty a, Certainty b) { return std::min(a, b); }
 
-/// Classifies a quantity that is positive for a hit and has an error of at most `margin`.
+/// Classifies a test as certain hit, certain miss or uncertain. `value`: a quantity that is positive for a hit.
+/// `margin`: its largest error.
 Certainty certainty_of(double value, double margin) {
   if (value < -margin) return Certainty::kMiss;
   return value > margin ? Certainty::kHit : Certainty::kUncertain;

@@ -39,7 +39,8 @@ bool boxes_overlap(const PictureBox& a, const PictureBox& b) {
   return a.high.x >= b.low.x && a.low.x <= b.high.x && a.high.y >= b.low.y && a.low.y <= b.high.y;
 }
 
-/// Tests the depth of a triangle at a sample that it covers. Returns true, and stores it, if it is the nearest so far.
+/// Tests the depth of a triangle at a sample that the triangle covers. If the triangle is the nearest so far, stores it
+/// for the sample and returns true.
 bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::NearestTriangle& winner = found.winners[sample.sample];
   const double depth = edges.depth_at(sample.at);
@@ -119,7 +120,8 @@ std::uint32_t Rasteriser::bin_triangles(std::uint32_t batch, Coverage& scratch, 
   return job.triangles;
 }
 
-/// Projects the rays, and sorts their samples by triangle list, block and quad.
+/// Computes where the rays cross the picture plane, and sorts these samples by triangle list (of their screen region),
+/// block and quad.
 void Rasteriser::sort_samples(std::span<const Ray> rays, Coverage& found) const {
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
   found.samples.resize(rays.size());

@@ -51,7 +51,7 @@ void check_size(const std::filesystem::path& path, std::uint32_t width, std::uin
   }
 }
 
-/// Calls `write`. An IoError that it throws is prefixed with the name of the file or texture.
+/// Calls `write`. IoErrors that `write` throws are prefixed with the name of the file or texture.
 template <class Write>
 std::string call_with_name(const std::string& name, const Write& write) try {
   return write();

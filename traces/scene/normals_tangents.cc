@@ -218,7 +218,7 @@ class TangentBuilder {
     }
   }
 
-  /// Adds to a group all corners that shared edges connect to the corner `seed`.
+  /// Adds to a tangent group all triangle corners that shared edges connect to the corner `seed`.
   void add_group(std::uint32_t seed) {
     const std::uint32_t vertex = corners_of(seed / 3)[seed % 3];
     const bool is_mirrored = frames_[seed / 3].is_mirrored;

@@ -21,7 +21,7 @@ namespace {
 
 using Interpolation = Track::Interpolation;
 
-/// The keys before and after a time. Both are the same key before the first and after the last one.
+/// The two animation keys around a time. Before the first key and after the last key, both are that key.
 struct Span {
   std::size_t from = 0, to = 0;
   double share = 0;    ///< position between the two keys, 0 to 1
@@ -39,7 +39,7 @@ Span find_keys(const Track& track, double seconds) {
   return {to - 1, to, (seconds - begin) / length, length};
 }
 
-/// Parts of a key; a cubic spline has all three, other tracks only the value.
+/// Parts of an animation key; a cubic spline has all three, other tracks only the value.
 enum class Part : std::uint8_t { kInTangent, kValue, kOutTangent };
 
 double key_number(const Track& track, std::size_t key, Part part, std::size_t i, std::size_t count) {

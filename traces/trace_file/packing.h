@@ -13,7 +13,8 @@ namespace traces {
 /// Bytes of the smallest packed block, an empty zstd frame.
 inline constexpr std::uint64_t kLeastPacked = 9;
 
-/// Packs blocks of bytes with zstd, one frame each, which includes their size and checksum.
+/// Packs blocks of bytes with zstd. Each block becomes one zstd frame, which includes the size and checksum of the
+/// block.
 class Packer {
  public:
   /// `level` is zstd's compression level. Level 1 is enough: a tile consists mostly of walks, which hardly compress.
@@ -35,7 +36,8 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
-  /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if none.
+  /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if there
+  /// is none.
   static std::size_t size_of(std::string_view bytes);
   /// Unpacks a block. kBitsPadding bytes follow the contents, which are valid until the next call. Throws InputError,
   /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.

@@ -140,7 +140,7 @@ bool uses_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
-/// Throws unless a node with ray slots has one launch as its source.
+/// Throws InputError unless a node with ray slots has one launch as its source.
 void check_rays(const WorkNode& rays, const TileWork& work) {
   if (rays.inputs.size() != 1 || rays.inputs[0].kind != Edge::Kind::kEach ||
       work.nodes[rays.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
@@ -151,7 +151,8 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
-/// Throws unless some node reads all hits of each batch of rays: a ray's slot is released when its hit has been read.
+/// Throws InputError unless some node reads all hits of each batch of rays: a ray's slot is released when its hit has
+/// been read.
 void check_readers(const TileWork& work) {
   std::vector<bool> read(work.nodes.size()), whole(work.nodes.size());
   for (const WorkNode& node : work.nodes) {
@@ -168,7 +169,8 @@ void check_readers(const TileWork& work) {
   }
 }
 
-/// Throws unless nodes read all imports, because the end of a tile implies that its imported borders have arrived.
+/// Throws InputError unless nodes read all imports, because the end of a tile implies that its imported borders have
+/// arrived.
 void check_imports(const TileWork& work) {
   std::uint32_t read = 0;
   for (const WorkNode& node : work.nodes) {

@@ -34,14 +34,14 @@ struct TileScope {
   std::uint64_t tile_bytes = kMaxTileBytes;  ///< largest encoded size of the tile
 };
 
-/// Number of rays of a decoded tile, and the traversal steps of their walks.
+/// Number of rays of a decoded tile, and the traversal steps of their recorded walks.
 struct TileRays {
   std::array<std::uint64_t, kRayKinds> by_kind{};
   WalkSteps steps;
 };
 
-/// Encodes the work of a tile as bytes (docs/trace-format.md). Walks that do not fit the tree are stored as plain
-/// words, which take more space. Throws InputError for work that the format cannot represent.
+/// Encodes the work of a tile as bytes (docs/trace-format.md). Recorded walks of rays that do not fit the BVH are
+/// stored as plain words, which take more space. Throws InputError for work that the format cannot represent.
 class TileEncoder {
  public:
   void encode_tile(const TileWork& work, const Links& links, std::string& out);

@@ -48,7 +48,7 @@ void OutputFile::commit() {
 
 namespace {
 
-/// Returns `path`. Throws if the file exists and is not a trace, because it would be overwritten by mistake.
+/// Returns `path`. Throws InputError if the file exists and is not a trace, because it would be overwritten by mistake.
 const std::filesystem::path& check_replaceable(const std::filesystem::path& path) {
   sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;

@@ -60,7 +60,7 @@ class TraceWriter {
  private:
   /// Packs a block so that its unpacked size is within most_unpacked_bytes(). The result is valid until the next call.
   std::string_view pack_within_limits(std::string_view bytes);
-  /// Appends a packed block to the file and returns where it is.
+  /// Appends a packed block to the file. Returns its offset and size as JSON.
   Json append_block(std::string_view bytes);
 
   OutputFile file_;

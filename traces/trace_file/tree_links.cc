@@ -30,7 +30,7 @@ std::uint64_t leaf_code(std::uint32_t link, LeafEnds& ends) {
   return code << 4 | (count - 1) << 1 | 1;
 }
 
-/// Decodes the links of a tree, child by child.
+/// Decodes the links of a BVH, child by child.
 class Decoder {
  public:
   Decoder(std::string_view bytes, const ImageCounts& counts)

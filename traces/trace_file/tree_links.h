@@ -9,7 +9,7 @@
 
 namespace traces {
 
-/// The links between the nodes of a tree. They determine which walks of rays are possible.
+/// The links between the nodes of a BVH. They determine which traversal walks of rays are possible.
 struct Links {
   std::vector<std::array<std::uint32_t, 2>> nodes;  ///< for each inner node, the link words of its children
   std::vector<std::uint32_t> roots;  ///< for each instance, the root of its tree or kNone; empty in trees of one level

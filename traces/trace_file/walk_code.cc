@@ -27,7 +27,7 @@ constexpr std::uint32_t unpack_phases(std::uint32_t x) {
   return (x | x << 2) & 0x33333333U;
 }
 
-/// Returns a word with the lowest bit of each nibble that is not 0.
+/// Returns a word in which the lowest bit of each nibble is set if that nibble of `phases` is not 0.
 constexpr std::uint32_t nonzero_phases(std::uint32_t phases) {
   phases |= phases >> 1;
   return (phases | phases >> 2) & 0x11111111U;
@@ -75,7 +75,7 @@ struct NoBits {
   void put_bits(std::uint64_t, std::uint32_t) {}
 };
 
-/// Checks word by word whether walks are possible in a tree.
+/// Checks, word by word, whether recorded walks of rays are possible in a BVH.
 class WalkChecker {
  public:
   WalkChecker(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
@@ -223,7 +223,7 @@ struct Cursor {
   }
 };
 
-/// Decodes the triangle tests of a leaf from the next bits, and returns how many bits it used.
+/// Decodes the triangle tests of a leaf from the next bits. Returns the number of bits read.
 inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
   const std::uint32_t size = 2 * leaf_count(link);
   const std::uint32_t phases = unpack_phases(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
@@ -297,7 +297,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
   }
 }
 
-/// Decodes walks for trees of one or two levels.
+/// Decodes the recorded walks of rays through a BVH of one or two levels.
 template <bool kLevels>
 WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                         TileWork& work) {

@@ -24,7 +24,8 @@ namespace traces {
 /// Number of readable bytes that must follow the encoded bits; their values do not matter.
 inline constexpr std::size_t kBitsPadding = 8;
 
-/// Appends the bits of all walks of a tile. Returns false, with `out` unchanged, if a walk is not possible in the tree.
+/// Appends the bits of the recorded walks of a tile's rays. Returns false, with `out` unchanged, if a walk is not
+/// possible in the BVH.
 bool encode_walks(const TileWork& work, const Links& links, std::string& out);
 
 /// Decodes the walks of `rays` rays with `words` words in total, and returns their traversal steps. `bits` must be

@@ -108,7 +108,7 @@ class BlockTile {
   /// Loads or traces the last column of the tile on the left, as AdaptiveConfig::halo selects.
   void import_left_halo();
   /// Loads or traces the last row of the tile above, as AdaptiveConfig::halo selects. `resolve(lines)` renders the
-  /// samples between its references.
+  /// samples between the references of that row.
   template <class Resolve>
   void import_upper_halo(Resolve&& resolve) {
     if (!begin_upper_halo_import()) return;
@@ -116,10 +116,11 @@ class BlockTile {
     resolve(lines_along_x(above_block_, false));
     graph.resume_recording();
   }
-  /// Writes the records of the references to DRAM and reads them back, if AdaptiveConfig::attributes is dram.
+  /// Writes the records of the tile's reference samples to DRAM and reads them back, if AdaptiveConfig::attributes is
+  /// dram.
   void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
-  /// Writes the other records of the rows with references to DRAM and reads all records of these rows back, if
-  /// AdaptiveConfig::attributes is dram.
+  /// Writes, for the rows with references, the records of the other samples to DRAM and reads all records of these rows
+  /// back, if AdaptiveConfig::attributes is dram.
   void spill_reference_rows_to_dram() {
     spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }

@@ -14,7 +14,8 @@ namespace kernels {
 /// Numbers of the two borders that a tile exports: its last columns, and its last rows.
 inline constexpr std::uint32_t kRightBorder = 0, kLowerBorder = 1;
 
-/// Returns the bytes that a transfer of `records` scattered records moves: a memory line each, but at most `all`.
+/// Returns the bytes that a transfer of `records` scattered records moves: one memory line per record, but at most
+/// `all` bytes.
 std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all);
 
 /// A tile of the picture, in samples.

@@ -26,7 +26,7 @@ class PropagationState {
 
   /// Stores the sub-pixels of a tile before the first round.
   void store_initial_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& all);
-  /// Adds sub-pixels that this round made active in a tile. apply_round_results() applies them.
+  /// Collects sub-pixels that this round of propagation made active in a tile. apply_round_results() applies them.
   void add_activated_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& found);
   void apply_round_results();
 

@@ -167,7 +167,7 @@ void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
 }
 
 /// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
-/// flag that the machine reads.
+/// flag of a tile that the modelled machine reads from memory.
 bool SupersampleProgram::has_newly_active_neighbour(const SampleTile& at, auto&& read) const {
   const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
   const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);

@@ -387,8 +387,8 @@ Wavefront::Node UndersampleProgram::record_suspect_search(TileGraph& graph, std:
                                                           : graph.record_known_launch<FindSuspects<false>>(items);
 }
 
-/// Traces the samples that a scan corrects in a tile, round by round, and writes the corrected pixels. `found` is the
-/// launch that found the first of them.
+/// Traces the samples that a scan of post-correction corrects in a tile, round by round, and writes the corrected
+/// pixels. `found`: launch that found the samples of the first round.
 void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at,
                                          Wavefront::Node found) const {
   TileGraph& graph = wave.tile_graph();

@@ -144,7 +144,7 @@ struct RenderConfig {
           "radius of every light's disc, with the effect soft_shadows; directional lights are one scene diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
-  /// True if the frame has occlusion or soft shadows, the effects that can have a lower rate.
+  /// True if the frame has occlusion or soft shadows, the effects whose rays may be traced at only some pixels.
   bool has_low_rate_effects() const {
     const Effects all = parse_effects(effects);
     return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);

@@ -35,8 +35,8 @@ LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t le
 /// Largest triangle word (flags and index) with which a nearest-hit ray's hit needs no transparency test.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// Scene data that kernels do not read from memory: uniforms and tables in the SRP's own memory. Also which kernels the
-/// scene needs.
+/// Scene data that kernels do not read from memory: uniforms, and tables in the SRP's own memory. Other members select
+/// which kernels the scene needs.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 
@@ -67,7 +67,8 @@ struct SceneTables {
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
   /// True if ambient light is not occluded and each light casts one shadow ray.
   bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
-  /// Returns the number of light sources, counting ambient light, that effects at a lower rate apply to.
+  /// Returns the number of light sources, counting ambient light, whose occlusion or soft-shadow rays may be traced at
+  /// only some pixels.
   std::uint32_t low_rate_light_count() const {
     return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }

@@ -52,7 +52,7 @@ struct WaveBounce {
   using Node = TileGraph::Node;
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
-  std::uint32_t lanes = 0, padding = 0;  ///< as the arguments of TileGraph::launch() with these names
+  std::uint32_t lanes = 0, padding = 0;  ///< values of TileGraph::launch()'s arguments with these names
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
   std::array<TracedBatch, 3> batches{};
@@ -101,7 +101,7 @@ enum class Waits : std::uint8_t {
   kBounce,     ///< waits for queues or base colours, all rays of the bounce, and the previous bounce
 };
 
-/// Effects of a shading stage on later stages and what they wait for, as bits.
+/// How a shading stage affects later stages and for which nodes they wait; one bit per effect.
 enum StageEffect : std::uint32_t {
   kFetches = 1,      ///< the stage writes surfaces; the next stage waits for it item by item
   kFillsQueues = 2,  ///< the stage fills queues; later stages wait for it

@@ -130,7 +130,7 @@ struct TileBuffer {
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
   /// Grows the arrays of reconstruct to `count` samples; at most `pixels` of them are queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
-  /// Grows the arrays of effects at a lower rate to `count` samples and `light_count` lights.
+  /// Grows the arrays for effects that are traced at only some pixels, to `count` samples and `light_count` lights.
   void reserve_low_rate(std::size_t count, std::size_t light_count);
 };
 

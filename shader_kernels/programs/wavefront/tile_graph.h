@@ -26,7 +26,8 @@ class StreamBuilder {
 
   /// Adds the launch of a kernel. `idle` is the number of inactive loop iterations after its items.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
-  /// Begins the accesses of the next item of the last launch, if its memory accesses are listed.
+  /// Begins the list of memory accesses of the next item of the last added launch. Call only if the launch has
+  /// accesses.
   void begin_item_accesses() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that `item` of the last launch emitted a ray.
   void add_ray_source(std::uint32_t item) { work_.sources.push_back(item); }

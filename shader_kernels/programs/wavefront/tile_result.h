@@ -31,7 +31,7 @@ struct PropagationSubpixel {
   bool is_background = false;  ///< the primary ray at the pixel's centre hit nothing
 };
 
-/// Everything that a frame program returns for one entry of its list.
+/// All results that a frame program returns for one entry (mostly a tile) of its list.
 struct TileResult {
   /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;

@@ -88,7 +88,8 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
   }
 }
 
-/// Sample numbers are reused: work counted for the pixel that had this number before is moved to the result first.
+/// Records that a sample belongs to pixel (x, y), for counting its work. Sample numbers are reused, so work counted for
+/// the sample's former pixel is first moved to the result.
 void WaveTracer::assign_sample_to_pixel(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   std::vector<PixelWork>& all = buffer_.scratch.pixel_work;
   if (all.size() <= sample) all.resize(std::size_t{sample} + 1);

@@ -70,7 +70,7 @@ class Wavefront {
     return bounce.has_lit ? wave_.buffer.queues.deferred : wave_.buffer.queues.diffuse;
   }
 
-  // Stages of effects at a reduced rate.
+  // Stages of effects that are traced at only some pixels.
   bool uses_low_rate_effects(const WaveBounce& bounce) const {
     return wave_.retained.low_rate.are_low_rate && bounce.depth == 1;
   }

@@ -85,9 +85,9 @@ VertexRecord vertex_record_of(const Mesh& mesh, const std::array<std::uint32_t, 
   return record;
 }
 
-/// Returns the texture density of a triangle: the square root of its area in texture coordinates over its area in
-/// space. A triangle that shows only a point or line of the texture gets the smallest density: its texels are not
-/// averaged.
+/// Returns the texture density of a triangle: the square root of its area in texture coordinates divided by its area in
+/// space. A triangle that shows only a point or line of the texture gets the smallest density, so that its texels are
+/// not averaged.
 float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_space) {
   if (mesh.uvs.empty()) return kLeastDensity;
   const auto edge = [&](const auto& array, std::size_t i) { return array[corners[i]] - array[corners[0]]; };

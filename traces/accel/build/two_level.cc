@@ -70,7 +70,7 @@ Placement identity_placement() {
   return p;
 }
 
-/// The trees of a two-level image, and which tree each instance uses. Root nodes are set later.
+/// The BVHs (trees) of a two-level image, and which tree each instance uses. Root nodes are set later.
 struct TreePlan {
   explicit TreePlan(const Scene& scene);
   bool matches_image(const MemoryImage& image) const;
@@ -128,7 +128,7 @@ PlacedMesh placed_mesh_of(const Scene& scene, const ObjectTree& tree) {
   return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
 }
 
-/// Returns the part of an array of records that belongs to one tree.
+/// Returns the section of an array with one record per triangle that belongs to one tree.
 template <class Record>
 std::span<Record> tree_records(std::vector<Record>& records, const ObjectTree& tree) {
   return std::span(records).subspan(tree.first_triangle, tree.triangles);

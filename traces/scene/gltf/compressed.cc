@@ -214,7 +214,7 @@ std::string text_or(const tinygltf::Value& object, const char* key, const char* 
   return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : absent;
 }
 
-/// Checks conditions that the decoder requires and does not check. Returns what is wrong, or null.
+/// Checks what the meshopt decoder requires but does not check. Returns the problem as text, or null.
 const char* meshopt_fault(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") return "the mode is unknown";

@@ -11,7 +11,7 @@
 
 namespace traces::gltf {
 
-/// A glTF file and everything its URIs name, in memory. These have been checked: chunk sizes, depth, list lengths,
+/// A glTF file and everything its URIs name, in memory. The reader has checked chunk sizes, depth, list lengths,
 /// property types, required extensions, and the places that URIs name.
 struct Source {
   std::string shown_name;  ///< name of the file in messages

@@ -79,7 +79,7 @@ float ior_for_mirror(float share) {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// The glTF values from which the loader derives the surface.
+/// The values of a glTF material from which the glTF loader derives a surface.
 struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;

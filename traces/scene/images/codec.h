@@ -29,7 +29,8 @@ class ImageCodec {
                                 std::vector<std::uint8_t>& grey) const = 0;
 };
 
-/// Type and name of the only symbol that the module exports. The number is increased when ImageCodec changes.
+/// Type and name of the only symbol that the images module exports. The number in the name is increased when ImageCodec
+/// changes.
 using ImageCodecFactory = const ImageCodec* (*)();
 inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_5";
 

@@ -25,7 +25,7 @@ Mesh make_underbody(const Detail& detail);
 /// Makes the rims of the wheel arches.
 Mesh make_arch_lips(const Detail& detail);
 
-/// Returns half the width of the shell at a point of its side.
+/// Returns half the width of the car's shell at a point of its side.
 float half_width_at(float x, float y);
 
 /// Makes a patch of columns x rows cells between two smoothed lines in the plane z = 0. The lines run in the same

@@ -34,8 +34,8 @@ struct DetailSearch {
   double least = 0.1, most = 10;
 };
 
-/// Searches the detail at which `made` + triangles_at(detail) is close to `wanted` triangles. Starts at detail 1,
-/// assumes growth with the square of the detail, and returns the best detail tried.
+/// Searches for the level of detail at which `made` + triangles_at(detail) is close to `wanted` triangles. Starts at
+/// detail 1, assumes growth with the square of the detail, and returns the best detail tried.
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search = {});
 
