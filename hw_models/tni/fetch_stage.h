@@ -74,7 +74,7 @@ class FetchStage {
   FetchStage& operator=(const FetchStage&) = delete;
 
   /// Returns a mask of the slots that may probe the unit's L1 in this cycle.
-  std::uint64_t issuable_slots() const {
+  std::uint64_t issuable_slot_mask() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
@@ -92,7 +92,7 @@ class FetchStage {
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// Probes the L1 for the line of a slot, which must be one of issuable_slots(). Clears the slot's `ready` bit. After
+  /// Probes the L1 for the line of a slot, which must be in issuable_slot_mask(). Clears the slot's `ready` bit. After
   /// a miss, the bit is set again when the slot may retry: by the fetch stage or, with `bypass`, by the unit.
   [[gnu::noinline]] Wait read_line(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;

@@ -58,7 +58,9 @@ inline bool Ist::take_leaf(sim::Time now) {
 }
 
 /// Returns a mask of the intersection unit's slots that may probe its L1 in this cycle.
-inline std::uint64_t Ist::issuable_slots() const { return reorders_ ? waiting_[kToFetch] : fetch_.issuable_slots(); }
+inline std::uint64_t Ist::issuable_slot_mask() const {
+  return reorders_ ? waiting_[kToFetch] : fetch_.issuable_slot_mask();
+}
 
 inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
   if (!last_line) {
@@ -107,7 +109,7 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
 
 [[gnu::always_inline]] inline Ist::CycleReason Ist::issue_tests(std::uint64_t cycle) {
   CycleReason why = CycleReason::kStarved;  // the reason if no slot tries to issue
-  for (std::uint64_t slots = issuable_slots(); slots != 0; slots = ideal_ ? issuable_slots() : 0) {
+  for (std::uint64_t slots = issuable_slot_mask(); slots != 0; slots = ideal_ ? issuable_slot_mask() : 0) {
     const CycleReason one = issue_test(slots, cycle);
     if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;
   }
@@ -137,7 +139,7 @@ inline Ist::CycleReason Ist::wait_reason() const {
 
 inline sim::Time Ist::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
-  if ((issuable_slots() | waiting_[kToAnswer]) != 0) return next;
+  if ((issuable_slot_mask() | waiting_[kToAnswer]) != 0) return next;
   sim::Time at = pipe_.next_completion(cycle);
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
   at = std::min(at, std::max(next, line_at_));

@@ -110,7 +110,7 @@ class Ist {
 
   bool fill_arrived_line(const Cycle& cycle);
   bool take_leaf(sim::Time now);
-  std::uint64_t issuable_slots() const;
+  std::uint64_t issuable_slot_mask() const;
   CycleReason issue_tests(std::uint64_t cycle);
   CycleReason issue_test(std::uint64_t ready_slots, std::uint64_t cycle);
   void complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);

@@ -109,8 +109,8 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
 /// Returns a mask of the slots that may enter the shared pipe of a TRV. Slots with a leaf are included only if
 /// `room_for_leaves`.
 std::uint64_t Trv::shared_pipe_slots(bool room_for_leaves) const {
-  if (fetch_.is_stalled()) return fetch_.issuable_slots();
-  return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
+  if (fetch_.is_stalled()) return fetch_.issuable_slot_mask();
+  return fetch_.issuable_slot_mask() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
 }
 
 Trv::CycleReason Trv::wait_reason(sim::Time next) const {
@@ -300,16 +300,16 @@ template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::simulate_cycle(const Cycle& cycle) {
   const TrvFeatures has = active_features<kDefault>();
   const sim::Time now = cycle.now;
-  const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
+  const auto issuable_slot_mask = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slot_mask(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
   CycleReason why = CycleReason::kStarved;  // the reason if no slot tries to issue
   if (has.one_pipe) {
     why = issue_in_shared_pipe(cycle);
   } else {
-    if (issuable_slots() != 0) why = issue_visit<kDefault>(next_slot_round_robin(issuable_slots()), cycle);
-    while (has.ideal && issuable_slots() != 0) {
-      if (issue_visit<kDefault>(next_slot_round_robin(issuable_slots()), cycle) == CycleReason::kVisiting)
+    if (issuable_slot_mask() != 0) why = issue_visit<kDefault>(next_slot_round_robin(issuable_slot_mask()), cycle);
+    while (has.ideal && issuable_slot_mask() != 0) {
+      if (issue_visit<kDefault>(next_slot_round_robin(issuable_slot_mask()), cycle) == CycleReason::kVisiting)
         why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) issue_pop(cycle);
@@ -318,7 +318,7 @@ template <bool kDefault>
   if (has_output(now) || (has.prefetches && !far_nodes_.empty())) issue_outputs(cycle);
   if (rays_moved_) account_full_buffer(now);
   const bool is_busy =
-      !has.one_pipe && (issuable_slots() | waiting_[kToStack] | pipes_.completes_in(cycle.number + 1)) != 0;
+      !has.one_pipe && (issuable_slot_mask() | waiting_[kToStack] | pipes_.completes_in(cycle.number + 1)) != 0;
   const sim::Time wake = is_busy ? cycle.next : next_wake(cycle);
   const bool tried = why != CycleReason::kStarved;
   const CycleReason then = tried && wake == cycle.next ? why : wait_reason(cycle.next);

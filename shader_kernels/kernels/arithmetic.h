@@ -30,7 +30,7 @@ F<V> hash_to_unit_float(const I<V>& hash) {
 }
 
 template <class V>
-M<V> has_class(const I<V>& flags, traces::MaterialFlag bit) {
+M<V> has_flag(const I<V>& flags, traces::MaterialFlag bit) {
   return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
 }
 

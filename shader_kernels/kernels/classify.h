@@ -32,7 +32,7 @@ struct ClassifyHits {
 template <class V>
 void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit,
                          const Local<V, WordRecord>& stream, Counter<V>& count) {
-  stream.store(count.next_index(has_class<V>(classes, bit)), {slot});
+  stream.store(count.next_index(has_flag<V>(classes, bit)), {slot});
 }
 
 /// Sorts surfaces by material: appends each surface to the lists of all common material classes that it has.

@@ -54,7 +54,7 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& io, const HitRe
   VertexColour<V> colour{};
   if constexpr (kColoured) {
     const VertexFields<V> vertex = io.vertices.load(triangle);
-    const M<V> second = has_class<V>(m.flags, traces::kBaseSecond);
+    const M<V> second = has_flag<V>(m.flags, traces::kBaseSecond);
     u = select(second, corners.interpolate(vertex.u0, vertex.u1, vertex.u2), u);
     v = select(second, corners.interpolate(vertex.v0, vertex.v1, vertex.v2), v);
     colour = vertex_colour<V>(corners, vertex);
@@ -95,7 +95,7 @@ struct TestAlpha {
     const RayRecord<V> ray = io.rays.load(slot);
     const HitRecord<V> hit = with_float_weights<V>(io.hits.load(slot));
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
-    const M<V> is_blended = has_class<V>(layer.material.flags, traces::kBlended);
+    const M<V> is_blended = has_flag<V>(layer.material.flags, traces::kBlended);
     const F<V> least = select(is_blended, io.min_weight, layer.material.alpha_cutoff);
     continue_ray<V, kColoured, kInstanced>(io, layer.alpha < least, slot, ray, hit.t);
   }
@@ -134,7 +134,7 @@ struct TestShadow {
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
     const MaterialFields<V>& m = layer.material;
     const F<V> solid = select(layer.alpha < m.alpha_cutoff, F<V>(0.0F), F<V>(1.0F));
-    const F<V> cover = select(has_class<V>(m.flags, traces::kBlended), layer.alpha, solid);
+    const F<V> cover = select(has_flag<V>(m.flags, traces::kBlended), layer.alpha, solid);
     Vec3<V> colour = m.base_colour * layer.base.srgb_colour(io.srgb_codes);
     if constexpr (kColoured) colour = colour * layer.colour.rgb;
     const F<V> open = 1.0F - cover;

@@ -93,7 +93,7 @@ struct ListDeferred {
     const I<V> slot = io.surfaces.load(item).word;
     const I<V> classes = io.mattes.load(slot).classes;
     const M<V> is_deferred =
-        logical_and(has_class<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
+        logical_and(has_flag<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
     io.deferred.store(io.deferred_count.next_index(is_deferred), {slot});
   }
 };

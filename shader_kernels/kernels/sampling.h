@@ -161,7 +161,7 @@ struct DetailPorts : TexturePorts<V, kMips> {
   /// only.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
-    const M<V> use_second = has_class<V>(classes, second);
+    const M<V> use_second = has_flag<V>(classes, second);
     const F<V> u = select(use_second, other.u, uv.u), v = select(use_second, other.v, uv.v);
     if constexpr (kMips == MipFilter::kNone) {
       return sample_texture<V>(this->axes, this->texels, texture, u, v);

@@ -16,14 +16,14 @@ class NoTracer final : public traces::Tracer {
 };
 
 void check_config(const traces::TraceReader& trace) {
-  trace.call_with_file_name([&] {
+  trace.add_file_name_to_errors([&] {
     tools::check_header(trace.header());
     tools::replay_config(trace.header(), "trace", {});
   });
 }
 
 void read_tiles(const traces::TraceReader& trace) {
-  trace.call_with_file_name([&] { tools::check_header(trace.header()); });
+  trace.add_file_name_to_errors([&] { tools::check_header(trace.header()); });
   const std::vector<traces::KernelId> kernels(trace.header().at("kernels").size());
   for (const traces::TraceReader::Part& part : trace.parts()) {
     const traces::TileScope scope = trace.tile_scope(part, static_cast<std::uint32_t>(kernels.size()));

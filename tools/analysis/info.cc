@@ -188,7 +188,7 @@ std::string text_at(const Json& json, const char* key) { return sim::printable(j
 }  // namespace
 
 Json trace_info(const traces::TraceReader& trace) {
-  return trace.call_with_file_name([&] {
+  return trace.add_file_name_to_errors([&] {
     const Json& header = trace.header();
     check_header(header);
     constexpr std::uint64_t kMost = std::uint64_t{1} << 48;

@@ -90,12 +90,12 @@ StoredFrames::StoredFrames(const std::filesystem::path& file,
     : trace_(file), threads_(threads), replicates_(replicates) {
   const std::string name = sim::printable(file.string());
   try {
-    trace_.call_with_file_name([&] { check_header(trace_.header()); });
+    trace_.add_file_name_to_errors([&] { check_header(trace_.header()); });
     inputs_.config = config(trace_.header(), name);
   } catch (const sim::JsonError& error) {
     throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
   }
-  trace_.call_with_file_name([&] {
+  trace_.add_file_name_to_errors([&] {
     const traces::Json& header = trace_.header();
     program_ = kernels::parse_program(header.at("program").get<std::string>());
     const std::string reference = header.at("reference").get<std::string>();
@@ -116,7 +116,7 @@ StoredFrames::StoredFrames(const std::filesystem::path& file,
 
 void StoredFrames::read_frame(std::size_t index) {
   index_ = index;
-  trace_.call_with_file_name([&] {
+  trace_.add_file_name_to_errors([&] {
     const traces::Json& frame = trace_.frames()[index];
     squared_error_ = frame.at("squared_error").get<double>();
     if (!(squared_error_ >= 0 && squared_error_ < 4)) throw sim::InputError("squared_error is out of range");
@@ -131,7 +131,7 @@ bool StoredFrames::advance_frame() {
 }
 
 const Part& StoredFrames::find_part(bool reference) const {
-  return trace_.call_with_file_name([&]() -> const Part& {
+  return trace_.add_file_name_to_errors([&]() -> const Part& {
     const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
       return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
     });
@@ -144,7 +144,7 @@ void StoredFrames::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
     scope_ = trace_.tile_scope(part, static_cast<std::uint32_t>(kernels_.size()));
-    trace_.call_with_file_name([&] { fill_recorded_bvh(scope_, inputs_.config.bvh, inputs_.image); });
+    trace_.add_file_name_to_errors([&] { fill_recorded_bvh(scope_, inputs_.config.bvh, inputs_.image); });
     inputs_.stored_triangles = scope_.counts.triangles;
     inputs_.parents = traces::parent_indices(inputs_.image);
     tree_ = part.tree;

@@ -161,7 +161,7 @@ void Rasteriser::rasterise_samples(std::span<const Ray> rays, Coverage& found, T
           {lists_.first_entry(list), static_cast<std::uint32_t>(lists_.triangle_list(list).size())});
       job.runs += 1;
     }
-    cover_list(std::span(found.samples).subspan(begin, end - begin), found, work);
+    find_coverage_in_list(std::span(found.samples).subspan(begin, end - begin), found, work);
   }
   if (work == nullptr) return;
   job.triangles = static_cast<std::uint32_t>(work->raster_triangles.size()) - job.first_triangle;
@@ -169,7 +169,8 @@ void Rasteriser::rasterise_samples(std::span<const Ray> rays, Coverage& found, T
   work->raster.push_back(job);
 }
 
-void Rasteriser::cover_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const {
+void Rasteriser::find_coverage_in_list(std::span<const Coverage::Sample> samples, Coverage& found,
+                                       TileWork* work) const {
   found.blocks.clear();
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     while (end < samples.size() && samples[end].block == samples[begin].block) ++end;

@@ -73,7 +73,7 @@ class Rasteriser {
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(geometry_.triangles.size()); }
   std::array<Projected, 3> project_corners(std::uint32_t triangle) const;
   void sort_samples(std::span<const Ray> rays, Coverage& found) const;
-  void cover_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const;
+  void find_coverage_in_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const;
 
   const RasterConfig config_;
   const RasterGeometry geometry_;

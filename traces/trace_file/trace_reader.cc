@@ -27,7 +27,7 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
   try {
-    call_with_file_name([&] {
+    add_file_name_to_errors([&] {
       read_header();
       read_contents();
     });
@@ -126,7 +126,7 @@ void TraceReader::read_contents() {
 
 TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
-  return call_with_file_name([&]() -> TileScope {
+  return add_file_name_to_errors([&]() -> TileScope {
     return {decode_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
             tree.counts,
             kernels,
@@ -137,7 +137,7 @@ TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const
 }
 
 std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
-  return call_with_file_name([&] {
+  return add_file_name_to_errors([&] {
     const std::string sizes = read_block(part.sizes, std::uint64_t{4} * part.tiles);
     if (sizes.size() != std::uint64_t{4} * part.tiles) throw sim::InputError("sizes of tiles are damaged");
     std::vector<FileRange> ranges(part.tiles);

@@ -61,7 +61,7 @@ class TraceReader {
 
   /// Calls `f`. Errors that it throws are prefixed with the file name.
   template <class F>
-  decltype(auto) call_with_file_name(F&& f) const {
+  decltype(auto) add_file_name_to_errors(F&& f) const {
     try {
       return f();
     } catch (const sim::InputError& error) {

@@ -301,14 +301,15 @@ void BlockTile::export_lower_border() {
                        at.width * frame_.exchanged_bytes_per_sample());
 }
 
-void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
-  if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
+void BlockTile::add_spill_transfers(std::uint32_t records_written, std::uint32_t records_read) {
+  if (frame_.adaptive.attributes == AttributeStorage::kTile || records_written == 0) return;
   const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes_per_sample();
   const std::uint64_t store = frame_.stored_bytes_per_tile() * at.index + borders;
   const Wavefront::Node to_dram =
-      graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
+      graph.add_transfer(Region::kSamples, true, store, records_written * frame_.setup.record_bytes);
   graph.wait_for_record_writers(to_dram);
-  const Wavefront::Node back = graph.add_transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
+  const Wavefront::Node back =
+      graph.add_transfer(Region::kSamples, false, store, records_read * frame_.setup.record_bytes);
   graph.wait_for_all(back, to_dram);
   graph.register_record_writer(back);
 }

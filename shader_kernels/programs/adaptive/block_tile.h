@@ -118,11 +118,13 @@ class BlockTile {
   }
   /// Writes the records of the tile's reference samples to DRAM and reads them back, if AdaptiveConfig::attributes is
   /// dram.
-  void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
+  void spill_references_to_dram() {
+    add_spill_transfers(block_rows() * block_columns(), block_rows() * block_columns());
+  }
   /// Writes, for the rows with references, the records of the other samples to DRAM and reads all records of these rows
   /// back, if AdaptiveConfig::attributes is dram.
   void spill_reference_rows_to_dram() {
-    spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
+    add_spill_transfers(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }
 
   /// True if one kernel can clamp, encode and pack a pixel, because it has a single sample.
@@ -157,7 +159,7 @@ class BlockTile {
   void import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples);
   bool begin_upper_halo_import();
   void trace_references_above();
-  void spill_records(std::uint32_t written, std::uint32_t read);
+  void add_spill_transfers(std::uint32_t records_written, std::uint32_t records_read);
   void mark_samples(const BlockLines& lines, const Verdict& verdict);
 
   const BlockFrame& frame_;

@@ -73,10 +73,10 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   spill_attributes_to_dram(tile);
   // Compare each sub-pixel with the three pixels around its corner. Sum the centre colours of the inactive sub-pixels.
   const Node tested = test_pixels(tile);
-  const Node weighed = weigh_centres(tile, tested);
+  const Node weighing = weigh_centres(tile, tested);
   // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
   if (supersample_.propagate != 0) store_inactive_subpixels(tile);
-  const Node averaged = sample_active_subpixels(tile, tested, weighed);
+  const Node averaged = sample_active_subpixels(tile, tested, weighing);
   graph.write_pixels(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
   if (supersample_.propagate != 0) write_subpixels(tile);
   wave.finish();
@@ -241,24 +241,24 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Samples the active sub-pixels after nodes `tested` and `weighed`. Returns the launch that completes the tile's
+/// Samples the active sub-pixels after nodes `tested` and `weighing`. Returns the launch that completes the tile's
 /// pixels.
-SupersampleProgram::Node SupersampleProgram::sample_active_subpixels(Tile& tile, Node tested, Node weighed) const {
+SupersampleProgram::Node SupersampleProgram::sample_active_subpixels(Tile& tile, Node tested, Node weighing) const {
   std::vector<Chunk> chunks;
   const Node packed = list_active_subpixels(tile, tested, chunks);
-  Node summed = weighed;
+  Node summed = weighing;
   std::uint32_t subpixels = 0;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   for (const Chunk& chunk : chunks) {
     const std::uint32_t first_sample = centre_samples() + (is_spilt ? kExtra * chunk.first : 0);
     trace_chunk(tile, chunk, first_sample, packed);
     if (supersample_.propagate != 0) store_active_subpixels(tile, chunk, first_sample, 0);
-    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_chunk(tile, chunk, weighed));
+    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_chunk(tile, chunk, weighing));
     tile.out.sampling.padding += chunk.padding;
     subpixels += chunk.subpixels;
   }
   tile.out.sampling.traced += kExtra * std::uint64_t{subpixels};
-  if (is_spilt && subpixels != 0) summed = sum_samples_from_memory(tile, subpixels, weighed);
+  if (is_spilt && subpixels != 0) summed = sum_samples_from_memory(tile, subpixels, weighing);
   return summed;
 }
 
@@ -390,15 +390,15 @@ void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   graph.replace_colour_writers(out);
 }
 
-SupersampleProgram::Node SupersampleProgram::sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const {
+SupersampleProgram::Node SupersampleProgram::sum_chunk(Tile& tile, const Chunk& chunk, Node weighing) const {
   const bool is_listed = supersample_.packing == Packing::kBlock;
   const std::uint32_t idle = is_listed ? 0 : (chunk.subpixels + chunk.padding) / 4 - chunk.masters;
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data() + chunk.first_master, chunk.masters, idle,
-                     chunk.first, weighed);
+                     chunk.first, weighing);
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile, std::uint32_t subpixels,
-                                                                     Node weighed) const {
+                                                                     Node weighing) const {
   const std::uint64_t offset = stored_bytes_per_tile() * (tile.at.index + 1) -
                                std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
   const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
@@ -414,20 +414,20 @@ SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile,
                   .row_step = 0};
   const Node listed = tile.graph.launch<ListSamples>(list, tile.pixels);
   tile.graph.register_colour_writer(listed);
-  return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
+  return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighing);
 }
 
 /// Completes the listed pixels by adding the samples of their active sub-pixels. The first stored colours belong to the
 /// active sub-pixel at index `first_index` of the list.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
-                                                         Node weighed) const {
+                                                         Node weighing) const {
   SumSubpixels::Ports<float> ports;
   ports.listed.bind(listed);
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   ports.first_sample = static_cast<float>(centre_samples()) - static_cast<float>(kExtra * first_index);
   const Node node = tile.graph.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
-  tile.graph.wait_for_all(node, weighed);
+  tile.graph.wait_for_all(node, weighing);
   tile.graph.wait_for_colour_writers(node);
   tile.graph.replace_colour_writers(node);
   return node;

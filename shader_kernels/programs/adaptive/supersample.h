@@ -139,17 +139,17 @@ class SupersampleProgram final : public FrameProgram {
   void spill_attributes_to_dram(Tile& tile) const;
 
   // Samples of active sub-pixels.
-  Node sample_active_subpixels(Tile& tile, Node tested, Node weighed) const;
+  Node sample_active_subpixels(Tile& tile, Node tested, Node weighing) const;
   Node list_active_subpixels(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_subpixels_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_subpixels_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   void chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chunks) const;
   void trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
   void spill_chunk(Tile& tile, const Chunk& chunk) const;
-  Node sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const;
-  Node sum_samples_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
+  Node sum_chunk(Tile& tile, const Chunk& chunk, Node weighing) const;
+  Node sum_samples_from_memory(Tile& tile, std::uint32_t subpixels, Node after_weighing) const;
   Node sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding,
-                   std::uint32_t first_index, Node weighed) const;
+                   std::uint32_t first_index, Node weighing) const;
 
   // Rounds of propagation (supersample_rounds.cc).
   std::uint32_t subpixel_bytes() const;

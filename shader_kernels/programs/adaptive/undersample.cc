@@ -192,7 +192,7 @@ Verdict UndersampleProgram::launch_check(BlockTile& tile, const BlockLines& line
 void UndersampleProgram::average_pixels(BlockTile& tile) const {
   if (correction_.scan_count() == 0) return tile.average_pixels();
   const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {
-    return undersample_.correct_shadows ? store_identities<Shadows>(tile) : store_identities<Plain>(tile);
+    return undersample_.correct_shadows ? store_identity_words<Shadows>(tile) : store_identity_words<Plain>(tile);
   };
   using std::type_identity;
   if (tile.can_pack_samples()) {
@@ -205,7 +205,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
 
 /// Launches kernel K, which stores the samples' identity words, and writes these words to memory.
 template <class K>
-Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
+Wavefront::Node UndersampleProgram::store_identity_words(BlockTile& tile) const {
   typename K::template Ports<float> ports;
   if constexpr (requires { ports.lattice; }) {
     ports.lattice = blocks_.own_sample_lattice(tile.at);

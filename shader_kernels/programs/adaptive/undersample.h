@@ -107,7 +107,7 @@ class UndersampleProgram final : public FrameProgram {
   Verdict launch_check(BlockTile& tile, const BlockLines& lines) const;
   void average_pixels(BlockTile& tile) const;
   template <class K>
-  Wavefront::Node store_identities(BlockTile& tile) const;
+  Wavefront::Node store_identity_words(BlockTile& tile) const;
   std::uint32_t scan_number(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.tile_count() - 1; }
   // Scans of post-correction.
   std::uint32_t scan_bytes_per_sample() const;

@@ -91,7 +91,7 @@ constexpr PortArray tile_queue(std::string_view name, std::string_view counter) 
           counter, [](TileResult& tile) { return &follow_members<kPath...>(tile.buffer).items; }};
 }
 template <auto kMember>
-constexpr PortArray stage_queue(std::string_view name, std::string_view counter) {
+constexpr PortArray stage_queue_array(std::string_view name, std::string_view counter) {
   return tile_queue<&TileBuffer::queues, kMember>(name, counter);
 }
 template <auto kMember>
@@ -115,24 +115,24 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     buffer_array<&TileBuffer::rays, &Rays::shadow, &RaySlots::paths>("shadow_paths"),
     buffer_array<&TileBuffer::rays, &Rays::shadow, &RaySlots::hits>("shadow_hits"),
     buffer_array<&TileBuffer::rays, &Rays::layer, &RaySlots::hits>("layer_hits"),
-    stage_queue<&Q::misses>("misses", "miss_count"),
-    stage_queue<&Q::surfaces>("surfaces", "surface_count"),
-    stage_queue<&Q::textured>("textured", "textured_count"),
-    stage_queue<&Q::diffuse>("diffuse", "diffuse_count"),
-    stage_queue<&Q::deferred>("later", "later_count"),
-    stage_queue<&Q::mirror>("mirror", "mirror_count"),
-    stage_queue<&Q::glass>("glass", "glass_count"),
-    stage_queue<&Q::emissive>("emissive", "emissive_count"),
-    stage_queue<&Q::absorbing>("absorbing", "absorbing_count"),
-    stage_queue<&Q::vertexed>("vertexed", "vertexed_count"),
-    stage_queue<&Q::based>("based", "based_count"),
-    stage_queue<&Q::physical>("physical", "physical_count"),
-    stage_queue<&Q::bumped>("bumped", "bumped_count"),
-    stage_queue<&Q::blended>("blended", "blended_count"),
-    stage_queue<&Q::glowing>("glowing", "glowing_count"),
-    stage_queue<&Q::occluded>("occluded", "occluded_count"),
-    stage_queue<&Q::layers>("layers", "layer_count"),
-    stage_queue<&Q::targets>("targets", ""),
+    stage_queue_array<&Q::misses>("misses", "miss_count"),
+    stage_queue_array<&Q::surfaces>("surfaces", "surface_count"),
+    stage_queue_array<&Q::textured>("textured", "textured_count"),
+    stage_queue_array<&Q::diffuse>("diffuse", "diffuse_count"),
+    stage_queue_array<&Q::deferred>("later", "later_count"),
+    stage_queue_array<&Q::mirror>("mirror", "mirror_count"),
+    stage_queue_array<&Q::glass>("glass", "glass_count"),
+    stage_queue_array<&Q::emissive>("emissive", "emissive_count"),
+    stage_queue_array<&Q::absorbing>("absorbing", "absorbing_count"),
+    stage_queue_array<&Q::vertexed>("vertexed", "vertexed_count"),
+    stage_queue_array<&Q::based>("based", "based_count"),
+    stage_queue_array<&Q::physical>("physical", "physical_count"),
+    stage_queue_array<&Q::bumped>("bumped", "bumped_count"),
+    stage_queue_array<&Q::blended>("blended", "blended_count"),
+    stage_queue_array<&Q::glowing>("glowing", "glowing_count"),
+    stage_queue_array<&Q::occluded>("occluded", "occluded_count"),
+    stage_queue_array<&Q::layers>("layers", "layer_count"),
+    stage_queue_array<&Q::targets>("targets", ""),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::points>("places"),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::mattes>("mattes"),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::texcoords>("texcoords"),

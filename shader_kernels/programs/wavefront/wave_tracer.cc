@@ -58,7 +58,7 @@ WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std:
   tracer_.trace(std::span(slots.rays).subspan(first, count), kind, std::span(slots.hits).subspan(first, count),
                 graph_.is_recording() ? &sink : nullptr);
   if (graph_.is_muted()) return TileGraph::kNone;
-  count_walks(first_ray, std::span(slots.paths).subspan(first, count));
+  count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, count));
   const Node node = graph_.stream_builder().add_rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
   out_.rays[static_cast<std::size_t>(kind)] += count;
@@ -66,7 +66,7 @@ WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std:
 }
 
 /// Counts the traversal steps of the rays traced last, for the tile and for their samples.
-void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
+void WaveTracer::count_traversal_steps(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
   const std::span walk(out_.work.walk);
   const std::vector<std::uint32_t>& begin = out_.work.ray_begin;
   if (first_ray == begin.size()) return;  // the tracer has recorded no walks

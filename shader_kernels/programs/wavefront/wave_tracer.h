@@ -46,7 +46,7 @@ class WaveTracer {
  private:
   Node trace_rays_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                        bool is_mapped);
-  void count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths);
+  void count_traversal_steps(std::size_t first_ray, std::span<const PathRecord<float>> paths);
   Node continue_through_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
                                Node batch);
   template <bool kColoured, bool kInstanced>

@@ -67,7 +67,7 @@ void read_all(const std::filesystem::path& path) {
   for (const TraceReader::Part& part : trace.parts()) {
     const TileScope scope = trace.tile_scope(part, 5);
     for (const TraceReader::FileRange& range : trace.tiles(part)) {
-      trace.call_with_file_name([&] { cursor.read_tile(range, scope, work); });
+      trace.add_file_name_to_errors([&] { cursor.read_tile(range, scope, work); });
     }
   }
 }

@@ -16,7 +16,7 @@ namespace tools {
 ReplayProgram::ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part,
                              const traces::TileScope& scope, std::span<const traces::KernelId> kernels)
     : FrameProgram(0, 0), trace_(trace), part_(part), scope_(scope), kernels_(kernels), tiles_(trace.tiles(part)) {
-  RenderResult result = trace.call_with_file_name([&] { return parse_recorded_result(part.result); });
+  RenderResult result = trace.add_file_name_to_errors([&] { return parse_recorded_result(part.result); });
   continued_ = result.continued;
   sampling_ = std::move(result.sampling);
 }
@@ -33,7 +33,7 @@ std::unique_ptr<ReplayProgram::Cursor> ReplayProgram::take_cursor() const {
 
 void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bool, kernels::TileResult& out) const {
   std::unique_ptr<Cursor> cursor = take_cursor();
-  const traces::TileRays rays = trace_.call_with_file_name([&] {
+  const traces::TileRays rays = trace_.add_file_name_to_errors([&] {
     try {
       return cursor->read_tile(tiles_[tile_index], scope_, out.work);
     } catch (const sim::InputError& error) {
@@ -55,7 +55,7 @@ void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bo
 void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
   const traces::TileWork& work = tile.work;
   const auto is_earlier = [&](std::uint32_t t) { return t < seen_.size() && seen_[t]; };
-  trace_.call_with_file_name([&] {
+  trace_.add_file_name_to_errors([&] {
     if (is_earlier(work.tile)) throw sim::InputError(fmt::format("tile {} is there twice", work.tile));
     if (!std::ranges::all_of(work.imports, is_earlier, &traces::Border::tile)) {
       throw sim::InputError(fmt::format("tile {} imports from one that does not come before it", work.tile));
@@ -66,7 +66,7 @@ void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
   rays_ += work.ray_begin.size();
   if (++kept_ < part_.tiles) return;
   if (rays_ == 0 && !part_.requirements.raster)
-    trace_.call_with_file_name([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
+    trace_.add_file_name_to_errors([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
   mutable_sampling() = sampling_;
 }
 
