@@ -24,8 +24,8 @@ enum class Op : std::uint8_t {
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes, except in a loop-carried value: a kInput
-/// whose `distance` is not 0. There inputs[0] is the node, usually a later one, that produced the value `distance`
+/// One operation of a kernel's dataflow graph. The inputs are earlier nodes, except in a loop-carried value: a kInput
+/// whose `distance` is not 0. There, inputs[0] is the node, usually a later one, that produced the value `distance`
 /// items ago.
 struct GraphNode {
   Op op = Op::kConstant;

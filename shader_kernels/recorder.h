@@ -127,7 +127,7 @@ inline IntNode select(const MaskNode& mask, const IntNode& yes, const IntNode& n
   return record_op<IntNode>(Op::kSelect, mask, yes, no);
 }
 
-/// Records a load of a whole record. Each of its fields becomes a kInput node with the field's byte offset.
+/// Records a load of a whole record. Each field of the record becomes a kInput node with the field's byte offset.
 template <template <class> class R>
 R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, std::array<IntNode, 3> address,
                         std::uint32_t address_words) {

@@ -60,7 +60,7 @@ struct DiffuseRecord {
 };
 
 /// Texture coordinates of a surface. With mip maps the lower half of `texture` is the number of the texture's first
-/// level. Its upper half is the footprint of the ray's cone in texture coordinates, as a bfloat16.
+/// level. The upper half is the footprint of the ray's cone in texture coordinates, as a bfloat16.
 template <class V>
 struct TexcoordRecord {
   F<V> u, v;

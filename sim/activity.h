@@ -22,8 +22,8 @@ struct Reason {
   ReasonKind kind;
   const char* meaning;
 };
-/// Each of these functions declares a cycle reason of one kind (working, waiting, idle, background), for the table
-/// kReasons of a unit.
+/// Functions that each declare a cycle reason of one kind (working, waiting, idle, background), for the table kReasons
+/// of a unit.
 constexpr Reason working_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
 constexpr Reason waiting_reason(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
 constexpr Reason idle_reason(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }

@@ -103,8 +103,8 @@ void Machine::start() {
   connect_links();
 }
 
-/// Assigns each unit an index in the wake-up table. Each partition and each cluster gets groups of its own. The inner
-/// partition gets the last groups.
+/// Assigns each unit an index in the wake-up table. Each partition and each cluster gets separate groups of the table.
+/// The inner partition gets the last groups.
 void Machine::assign_wakeup_slots() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);

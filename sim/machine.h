@@ -27,7 +27,7 @@ struct UnitId {
 /// How a link between two partitions of a machine limits the time for which each may run without the other.
 enum class Lookahead : std::uint8_t {
   kByLatency,  ///< items may be pushed at any time, so the limit is the link's latency
-  kByOwner,    ///< the machine's owner computes when items arrive, in run_limits()
+  kByOwner,    ///< the machine's owner computes the arrival times of items, in run_limits()
 };
 
 /// A simulated machine: units and the links between them, each declared once. From them the machine derives wake-up
@@ -128,7 +128,8 @@ class Machine {
   /// Returns the state of the units as text, one line for each unit that reports a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
-  /// Returns the number of retired items, summed over all units. It grows as long as the machine makes progress.
+  /// Returns the number of retired items, summed over all units. The number grows as long as the machine makes
+  /// progress.
   std::uint64_t retired_items() const;
 
   // The functions below are for the engine (sim/engine.h).

@@ -10,8 +10,8 @@ namespace sim {
 
 struct ClusterTurn;
 
-/// A cluster: units of one partition and one clock, which their owner ticks by direct calls instead of the engine. This
-/// is an optimisation. Results do not change, because an action at time t is not visible at time t.
+/// A cluster: units of one partition and one clock, which their owner ticks by direct calls instead of the engine. An
+/// optimisation: results do not change, because an action at time t is not visible at time t.
 struct Cluster {
   WakeupTable::Groups units;  ///< groups of the wake-up table that contain the cluster's units
   void* owner = nullptr;
@@ -64,7 +64,7 @@ struct ClusterTurn {
 /// Times up to which the partitions of a machine may run one after the other when all have reached the same time.
 struct RunLimits {
   Time lead;  ///< limit of the inner partition, which runs first
-  Time end;   ///< limit of all partitions
+  Time end;   ///< limit of all partitions; no partition may run beyond it
 };
 
 /// All partitions of a machine.

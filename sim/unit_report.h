@@ -46,7 +46,7 @@ struct UnitReport {
   std::uint64_t sram_bytes = 0;   ///< size of the unit's memory, for leakage
   std::uint64_t cache_bytes = 0;  ///< size of the memory array whose accesses are counted, for size-dependent energies
   std::uint32_t clock_mhz = 0;
-  std::type_index type = typeid(void);  ///< C++ class of the unit
+  std::type_index type = typeid(void);  ///< C++ class of the simulated unit
   std::vector<UnitPart> parts;          ///< parts whose number determines the unit's area
   std::uint32_t data_lines = 0;         ///< number of data pins of the unit at the die's edge
 };

@@ -108,8 +108,8 @@ struct RasterWork {
   std::uint32_t pixel_samples = 1;  ///< for kRaster, the largest number of samples per pixel
 };
 
-/// A node of a tile's graph of work. Its kind is a kernel launch, a batch of rays, a transfer between tile buffer and
-/// memory, the binning of triangles into the lists of screen regions, or the rasterisation of a wave's primary hits.
+/// A node of a tile's graph of work: a kernel launch, a batch of rays, a transfer between tile buffer and memory, the
+/// binning of triangles into the lists of screen regions, or the rasterisation of a wave's primary hits.
 struct WorkNode {
   enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer, kBin, kRaster };
   Kind kind = Kind::kLaunch;

@@ -7,8 +7,8 @@
 
 namespace hw {
 
-/// An array with one number for each bank of a DRAM channel, over all ranks. Its functions process four banks at a
-/// time, without branches. A set of banks is passed as a bit mask with one bit per bank.
+/// An array with one number for each bank of a DRAM channel, over all ranks. Functions process four banks at a time,
+/// without branches. They take and return sets of banks as bit masks, one bit per bank.
 class BankLanes {
  public:
   static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks of a channel, over all ranks

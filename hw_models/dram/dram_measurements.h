@@ -46,8 +46,8 @@ class DramClosedForms {
   /// Returns the cycles per line of a stream that is limited only by the data bus. Bursts of other bank groups fill the
   /// gaps between bursts of one group.
   double cycles_per_streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// Returns the cycles per line of a stream that reads `lines_per_row` lines from each row, bank after bank. It is the
-  /// largest of the limits set by activates, banks, command bus and data bus.
+  /// Returns the cycles per line of a stream of requests that reads `lines_per_row` lines from each row, bank after
+  /// bank. The result is the largest of the limits set by activates, banks, command bus and data bus.
   double cycles_per_line_of_row_stream(std::uint32_t lines_per_row) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own tFAW window
     const std::uint32_t hits = (lines_per_row - 1) * bursts_ * t_.ccd_l + column_span();

@@ -10,9 +10,9 @@
 
 namespace hw {
 
-/// The next command of a DRAM channel, unless a new request changes the choice. It is encoded as one number, so that
-/// the preferred command is the smallest: by earliest cycle, then kind of command, then age of the request. The low
-/// bits hold the bank.
+/// The next command of a DRAM channel, unless a new request changes the choice. The command is encoded as one number,
+/// so that the preferred command is the smallest: by earliest cycle, then kind of command, then age of the request. The
+/// low bits hold the bank.
 class ScheduledCommand {
  public:
   using Cycle = CommandCalendar::Cycle;

@@ -45,8 +45,8 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
     {DramCycleReason::kPowerDown, sim::working_reason("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
-/// Operations of a DRAM bank or rank between which timing constraints apply. A read or write consists of all column
-/// commands of one line. It starts with the first of them.
+/// Operations of a DRAM bank or rank between which timing constraints apply. A read or write operation consists of all
+/// column commands of one line and starts with the first of them.
 enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
 
 /// Banks to which a DRAM timing constraint applies, relative to the bank of the earlier operation.

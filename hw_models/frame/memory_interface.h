@@ -164,7 +164,7 @@ class MemoryFifo {
   Links links_;
   std::vector<Entry> records_;                      ///< contents of the ring buffer, because the simulated memory
                                                     ///< stores no data
-  std::vector<Chunk> chunks_;                       ///< outstanding read requests, oldest first
+  std::vector<Chunk> chunks_;                       ///< outstanding read requests to the ring buffer, oldest first
   std::uint64_t first_ = 0, last_ = 0;              ///< numbers of the outstanding read requests: first_ to last_ - 1
   std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records accepted and delivered so far
   Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes written, requested and read back so far

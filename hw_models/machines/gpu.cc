@@ -68,7 +68,8 @@ Addr record_memory_of_core(const GpuConfig& config, const Gpu::Workload& workloa
   return spills_end + core * MemoryInterface::memory_bytes(config.direct_interface);
 }
 
-/// Returns the addresses of the arrays that the rasterisers of all cores share. They follow the cores' areas.
+/// Returns the addresses of the arrays that the rasterisers of all cores share. These arrays follow the memory areas of
+/// the cores.
 RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
   return {round_up_to_lines(record_memory_of_core(config, workload, config.cores)), *workload.needs.raster};
 }

@@ -46,7 +46,7 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 /// Contents of all caches of a GPU between two frames.
 struct CacheContents {
   std::vector<CacheTags> first_level;  ///< first-level caches, core by core: TRVs, IST, data cache, rasteriser
-  std::vector<L2Store> l2;             ///< contents of each L2 bank
+  std::vector<L2Store> l2;             ///< contents of each L2 bank of the GPU
   std::vector<L2Store> slc;            ///< contents of each slice of the system cache; lines may be dirty
 };
 

@@ -8,9 +8,9 @@
 
 namespace hw {
 
-/// Returns the time without a retired item after which a run counts as a livelock: the value of key `watchdog`. If that
-/// is 0, it is several times an upper bound of an item's latency: a chunk of the longest kernel, then dependent memory
-/// lines. Each line waits for all requests that can be in flight, a refresh, a power-up and a row change.
+/// Returns the time without a retired item after which a run counts as a livelock. This is the value of key `watchdog`
+/// or, if that is 0, several times an upper bound of an item's latency: a chunk of the longest kernel, then dependent
+/// memory lines. Each line waits for all requests that can be in flight, a refresh, a power-up and a row change.
 sim::Time livelock_timeout(const GpuConfig& config, std::span<const KernelSchedule> kernels,
                            std::span<const BankConflicts> conflicts);
 

@@ -20,8 +20,8 @@ namespace hw {
 /// Replaces the shader core: sends a ray to the T&I unit every `interval` cycles if the link has room, and accepts each
 /// hit at once.
 ///
-/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. Its `record_return_time(ray, now)` is
-/// called for each finished ray.
+/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. For each finished ray,
+/// `Rays::record_return_time(ray, now)` is called.
 template <class Rays>
 class RaySource {
  public:
@@ -129,7 +129,7 @@ class RayMachine {
 
   /// Traverses all rays, or stops early when `watch` returns false. Throws sim::Deadlock if rays do not finish.
   void run();
-  /// Returns the number of finished rays.
+  /// Returns the number of rays that the machine has finished.
   std::uint64_t ray_count() const { return done_.rays; }
   sim::Time elapsed_time() const { return elapsed_; }
   std::uint64_t elapsed_cycles() const { return clock_.cycles(elapsed_); }

@@ -101,7 +101,7 @@ class BackgroundSource {
   const ChannelMapping place_;
   const Links links_;
   const sim::Clock clock_;
-  const double interval_;  ///< time between two lines, in femtoseconds
+  const double interval_;  ///< time between two lines of background traffic, in femtoseconds
   std::uint64_t sent_ = 0;
   std::uint64_t outstanding_ = 0;
   bool stopped_ = false;

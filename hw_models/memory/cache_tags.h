@@ -172,7 +172,7 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< number of ways per set; this number rounded up to a multiple of four
+  std::uint32_t ways_, stride_;  ///< number of ways per set; that number rounded up to a multiple of four
   std::size_t words_;            ///< number of array elements per set in `sets_`
   Replacement replacement_;
   Addr set_mask_;

@@ -20,8 +20,8 @@ using SectorMask = std::uint8_t;
 inline constexpr SectorMask kWholeLine = 0xff;
 inline constexpr Addr kSectorBytes = kLineBytes / 8;
 
-/// Identifies a tile in flight in requests and events. It is the tile's number in the tile list, modulo 2^15, which is
-/// more than the tiles in flight.
+/// Identifies a tile in flight in requests and events. The tag is the tile's number in the tile list, modulo 2^15,
+/// which is more than the tiles in flight.
 using TileTag = std::uint16_t;
 inline constexpr TileTag kNoTile = 0xffff;
 inline constexpr std::uint32_t kTileTagMask = 0x7fff;

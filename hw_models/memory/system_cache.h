@@ -9,8 +9,8 @@
 
 namespace hw {
 
-/// Configuration of the system-level cache (SLC), which has one slice in front of each DRAM channel. Its size and
-/// number of MSHRs are totals over all slices.
+/// Configuration of the system-level cache (SLC), which has one slice in front of each DRAM channel. Size and number of
+/// MSHRs are totals over all slices.
 struct SystemCacheConfig {
   CacheConfig cache{.size = {0}, .ways = 16, .mshrs = 64, .hit_cycles = 16};
   std::uint32_t lookup_cycles = 8;

@@ -22,7 +22,8 @@ struct TileAccount {
   std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< DRAM lines read and written; DRAM rows opened
 };
 
-/// Observer that charges events to tiles. It has one account per tile, in dispatch order, and one for other events.
+/// Observer that charges events to tiles: one account per tile, in dispatch order, and one account for events without a
+/// tile.
 class TileAccounting final : public Observer {
  public:
   /// Reserves memory for the accounts of `tiles` tiles.

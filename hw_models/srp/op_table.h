@@ -9,7 +9,8 @@
 
 namespace hw {
 
-/// Class of a kernel operation, by the unit or port of the shader core's array that it occupies. It determines cost.
+/// Class of a kernel operation: the kind of unit or port that the operation occupies in the shader core's array. The
+/// class determines latency and energy.
 enum class OpClass : std::uint8_t {
   kFree,  ///< operations that occupy no unit: loop variables, fields of loaded records, reinterpreted bits
   kFpAdd,
@@ -44,7 +45,7 @@ constexpr bool is_memory_class(OpClass op_class) {
 
 /// Returns the latency of an operation class: cycles from an operation's issue to the first use of its result.
 std::uint32_t latency_of(OpClass op_class, const OpLatencyConfig& latency);
-/// Returns the cycles for which an operation of this class occupies its unit or port.
+/// Returns the cycles for which a kernel operation of this class occupies its functional unit or memory port.
 std::uint32_t occupancy_of(OpClass op_class, const OpLatencyConfig& latency);
 
 /// Returns the name of the energy event of an operation of this class (for local memory, of a 16-byte access). Empty

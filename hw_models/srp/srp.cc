@@ -266,8 +266,8 @@ bool Srp::issue_loads(sim::Time now) {
   return true;
 }
 
-/// Fast path: handles the loads of later items early if that changes no result. These are items without cache lines,
-/// and items that hit while no miss is outstanding, so that no fill can precede them.
+/// Fast path: handles the loads of later loop items early if that changes no result. That is the case for items without
+/// cache lines, and for items that hit while no miss is outstanding, so that no fill can precede them.
 inline void Srp::issue_ready_hits() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;

@@ -197,7 +197,7 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
-  /// Counts a slot's successful read of a line. It counts as late if the slot's first probe missed.
+  /// Counts a slot's successful read of a line. The read counts as late if the slot's first probe missed.
   void count_read(std::uint64_t slot_mask) {
     stats_.l1_late += (late_ & slot_mask) != 0;
     late_ &= ~slot_mask;

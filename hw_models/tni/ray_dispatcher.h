@@ -80,7 +80,7 @@ class RayDispatcher {
   const std::vector<sim::Link<RayJob>*> to_trv_;
   const sim::Inputs<RayDone> from_trv_;
   Arbiter collects_;
-  std::vector<std::uint32_t> load_;  ///< number of rays inside each TRV
+  std::vector<std::uint32_t> load_;  ///< number of rays inside each traversal unit (TRV)
   std::size_t turn_ = 0;             ///< next traversal unit (TRV) in round-robin order
   sim::Time collect_at_ = 0;
   Stats stats_;

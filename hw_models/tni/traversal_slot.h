@@ -165,7 +165,7 @@ class TraversalSlot {
   std::uint32_t id_ = 0;
   std::uint32_t pending_culls_ = 0;     ///< stack entries to be popped and discarded before the next step
   std::uint16_t stack_depth_ = 0;       ///< entries pushed and not popped, including those dropped from the short stack
-  std::uint16_t short_stack_size_ = 0;  ///< number of entries of the ray in the short stack
+  std::uint16_t short_stack_size_ = 0;  ///< number of the ray's entries that are in the short stack
   bool must_pop_ = false;               ///< the ray needs a pop before its next step
   bool restarting_ = false;
   std::uint8_t child_ = 0;

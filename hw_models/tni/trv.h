@@ -173,8 +173,8 @@ class Trv {
 
   /// Takes a cache line, an answer of the intersection unit and a ray from the TRV's input links, if they have arrived.
   void take_arrivals(const Cycle& cycle);
-  /// True if the TRV has a leaf to send, a ray to retire or a memory request to send. It is one combined test, because
-  /// the single conditions are unpredictable.
+  /// True if the TRV has a leaf to send, a ray to retire or a memory request to send. The conditions are combined into
+  /// one test, because each alone is unpredictable.
   bool has_output(sim::Time now) const {
     return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent_requests()) != 0;
   }
@@ -229,7 +229,7 @@ class Trv {
   const std::uint32_t stack_latency_;
   const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
   const TrvFeatures features_;
-  const bool is_default_;    ///< the features equal kDefaultTrvFeatures
+  const bool is_default_;    ///< the features of the TRV equal kDefaultTrvFeatures
   bool rays_moved_ = false;  ///< a ray has entered or left the input buffer in this cycle
   bool full_ = false;        ///< every slot has had a ray since time `full_since_` and visit number `full_since_visit_`
   std::vector<TraversalSlot> slots_;

@@ -64,8 +64,8 @@ F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
   return dot(apart, apart);
 }
 
-/// Returns exp(-x) for x >= 0, with an error below 4e-6. It is the fourth-order series of exp at x / 16, inverted and
-/// squared four times.
+/// Returns exp(-x) for x >= 0, with an error below 4e-6. The result is the fourth-order series of exp at x / 16,
+/// inverted and squared four times.
 template <class V>
 F<V> exp_negative(const F<V>& x) {
   const F<V> y = x * (1.0F / 16.0F);

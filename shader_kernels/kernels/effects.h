@@ -150,7 +150,7 @@ struct CastAmbientPorts {
   Local<V, RayRecord> shadow_rays;
   Local<V, PathRecord> shadow_paths;
   Counter<V> emitted;
-  Vec3<V> ambient;  ///< ambient light that one ray carries
+  Vec3<V> ambient;  ///< ambient light that one occlusion ray carries
   F<V> epsilon, distance;
   RandomPointUniforms<V> draw;
   static constexpr void describe(auto& p, auto&& port) {

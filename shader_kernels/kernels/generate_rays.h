@@ -63,7 +63,8 @@ struct GenerateRays {
   }
 };
 
-/// A random point in a cell of a pixel's sample grid. It depends only on the frame's seed, the pixel and the cell.
+/// A random point in a cell of a pixel's sample grid. The point depends only on the frame's seed, the pixel and the
+/// cell.
 template <class V>
 struct Jitter {
   F<V> x, y;

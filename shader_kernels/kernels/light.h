@@ -141,8 +141,8 @@ struct ShadeBackground {
   }
 };
 
-/// Multiplies a surface's base colour by its base texture. It handles textures that use the first texture coordinates
-/// and no alpha; shade_base handles the others.
+/// Multiplies a surface's base colour by its base texture, for textures that use the first texture coordinates and no
+/// alpha. Kernel shade_base handles other textures.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =

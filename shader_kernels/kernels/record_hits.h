@@ -297,8 +297,8 @@ F<V> position_checksum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
-/// Finds the largest weight of a sample's mirrored and refracted rays after the first hit. It runs over all these rays,
-/// because the one with the largest weight may hit nothing.
+/// Finds the largest weight of a sample's mirrored and refracted rays after the first hit. The kernel runs over all
+/// these rays, because the ray with the largest weight may hit nothing.
 struct WeighBranch {
   static constexpr std::string_view kName = "weigh_branch";
   static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";

@@ -71,8 +71,8 @@ struct ShadeMirror {
   }
 };
 
-/// Emits refracted rays. They are multiplied by the base colour once per surface (KHR_materials_transmission); mirrored
-/// light is not. Total reflection leaves no throughput, so no ray is emitted.
+/// Emits refracted rays. Refracted light, unlike mirrored light, is multiplied by the base colour once per surface
+/// (KHR_materials_transmission). Total reflection leaves no throughput, so no ray is emitted.
 struct ShadeGlass {
   static constexpr std::string_view kName = "shade_glass";
   static constexpr std::string_view kMeaning = "glass surface -> refraction ray";

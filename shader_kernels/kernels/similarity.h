@@ -143,7 +143,7 @@ Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return a + (b - a) * weight;
 }
 
-/// Interpolates two colours. Both are clamped to [0, 1] first, because pixels average clamped samples.
+/// Interpolates two colours. Each colour is clamped to [0, 1] first, because pixels average clamped samples.
 template <class V>
 Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return lerp<V>({clamp_to_unit<V>(a.x), clamp_to_unit<V>(a.y), clamp_to_unit<V>(a.z)},

@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Attributes that supersample compares between pixels. Each has a contrast threshold; the one of kColour applies if no
-/// other attribute differs.
+/// Attributes that supersample compares between pixels. Each attribute has a contrast threshold; the threshold of
+/// kColour applies if no other attribute differs.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,
@@ -128,9 +128,9 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// Selects the sub-pixels that the program supersample samples (Jin et al. 2009). It compares a pixel with the three
-/// neighbours at the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
-/// the four colours.
+/// Selects the sub-pixels that the program supersample samples (Jin et al. 2009). A pixel is compared with the three
+/// neighbours at the sub-pixel's corner. The contrast of the four colours must reach the smallest threshold of the
+/// differing attributes.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
   static constexpr std::string_view kMeaning =
@@ -396,8 +396,8 @@ inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift +
 inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
 inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
 
-/// Layout of the array of sub-pixel states, row by row. It begins at index `first`; rows are `pitch` apart and have
-/// `width` pixels.
+/// Layout of the array of sub-pixel states, row by row. The array begins at index `first`; rows are `pitch` apart and
+/// have `width` pixels.
 template <class V>
 struct StateUniforms {
   F<V> width, inverse_width;
@@ -509,7 +509,7 @@ struct PropagateSubpixels {
     Local<V, SubpixelRecord> states;
     Local<V, WordRecord> verdicts, active, masters;
     Counter<V> active_count, masters_count;
-    Carried<V> last_master;                    ///< the pixel that was listed last
+    Carried<V> last_master;                    ///< the pixel that the kernel listed last
     std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds of attributes; above 1: never reached
     I<V> round;  ///< number of the previous round of propagation, shifted to its bits in a state word
     static constexpr void describe(auto& p, auto&& port) {

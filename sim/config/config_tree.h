@@ -158,8 +158,8 @@ void check_tree(const ConfigNode& root, std::string_view origin = {});
 /// Throws InputError("<origin>: <path>: <problem>"). An empty origin or path is left out.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// Returns a hint for an unknown key in a group. It is "did you mean 'x'?", with the same key in another group or the
-/// nearest key of this group, or else a list of the allowed keys.
+/// Returns a hint for an unknown configuration key in a group: "did you mean 'x'?", with the same key in another group
+/// or the nearest key of this group, or otherwise a list of the allowed keys.
 std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
 /// Combines several callables into one visitor for std::visit.

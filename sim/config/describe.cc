@@ -237,7 +237,8 @@ std::string escape_regex(std::string_view text) {
   return escaped;
 }
 
-/// Returns the JSON Schema of a numeric field. It accepts a number, or a text with a number and the field's unit.
+/// Returns the JSON Schema of a numeric field. The schema accepts a number, or a text with a number and the field's
+/// unit.
 Json number_schema(const ConfigNode& field, const char* type) {
   Json number = {{"type", type}};
   if (std::isfinite(field.limits.min)) number["minimum"] = field.limits.min;
@@ -260,8 +261,8 @@ Json band_schema(const ConfigNode& field) {
   return {{"anyOf", {number, band}}};
 }
 
-/// Returns the JSON Schema of an enumeration. It accepts the names, and true or false for `on` or `off`, as YAML 1.1
-/// parsers read these words.
+/// Returns the JSON Schema of an enumeration. The schema accepts the names, and true or false for `on` or `off`, as
+/// YAML 1.1 parsers read these words.
 Json enum_schema(const std::vector<std::string_view>& names) {
   Json choices = names;
   for (const std::string_view name : names) {

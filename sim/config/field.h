@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 6> names_of(Affects) {
 /// A frequency, written with a unit in configuration files ("500 MHz").
 struct Frequency {
   std::uint64_t hz = 0;
-  /// Returns the clock domain of this frequency. Its period is rounded to the nearest femtosecond.
+  /// Returns the clock domain with this frequency. The clock period is rounded to the nearest femtosecond.
   Clock clock() const { return Clock((kFemtosecondsPerSecond + hz / 2) / hz); }
   friend bool operator==(const Frequency&, const Frequency&) = default;
 };

@@ -73,7 +73,7 @@ class NewFolder {
  private:
   const std::filesystem::path target_, parent_;
   std::filesystem::path temporary_;
-  std::vector<std::filesystem::path> made_parents_;  ///< newly created parent folders, innermost first
+  std::vector<std::filesystem::path> made_parents_;  ///< parent folders that make() has created, innermost first
   int lock_ = -1;
 };
 

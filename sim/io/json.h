@@ -162,7 +162,7 @@ class Json {
   /// or std::uint64_t. Numbers are cast to T. Throws JsonError for a value of another kind.
   template <class T>
   T get() const;
-  /// Returns a reference to the text of a JSON string. It is valid until the value changes. T must be const
+  /// Returns a reference to the text of a JSON string. The reference is valid until the value changes. T must be const
   /// std::string&.
   template <class T>
   T get_ref() const;

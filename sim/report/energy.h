@@ -66,7 +66,7 @@ struct EnergyConfig {
   }
 };
 
-/// Energy of an event whose energy is computed by the model of a device, such as DRAM. It includes the device's clock.
+/// Energy of an event that the model of a device, such as DRAM, computes. The energy includes the device's clock.
 struct DeviceEvent {
   Band pj;               ///< energy per event
   bool standby = false;  ///< the energy is independent of activity and counted as leakage

@@ -11,9 +11,9 @@ namespace traces {
 struct BvhInfo {
   std::uint64_t nodes = 0;  ///< number of inner nodes of all trees
   std::uint64_t leaves = 0;
-  std::uint32_t depth = 0;  ///< number of inner nodes on the longest path, through both levels
+  std::uint32_t depth = 0;  ///< number of inner nodes on the longest path through the BVH, over both levels
   double sah_cost = 0;      ///< expected cost of a random line through the scene (surface area heuristic)
-  std::uint64_t bytes = 0;  ///< memory of nodes, instances and triangles
+  std::uint64_t bytes = 0;  ///< bytes of nodes, instances and triangles in memory
 };
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});

@@ -17,8 +17,8 @@ namespace traces {
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
-  /// Which instructions the tracer uses. Both choices give the same bits; kPortable serves other processors and tests
-  /// of kNative.
+  /// Which instructions the tracer uses. kNative and kPortable give the same bits; kPortable serves other processors
+  /// and tests of kNative.
   enum class Arithmetic { kNative, kPortable };
 
   /// `image` must outlive the tracer.

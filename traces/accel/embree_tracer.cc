@@ -86,7 +86,8 @@ struct Query {
   }
 };
 
-/// Embree calls this filter for every hit. It compares the hit with the best, and shortens the ray to the tie distance.
+/// Filter function that Embree calls for every hit. Compares the hit with the best hit so far, and shortens the ray to
+/// the tie distance.
 void keep_best_hit(const RTCFilterFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);

@@ -85,7 +85,7 @@ static_assert(sizeof(AttributeRecord) == 64);
 
 inline constexpr float kLeastDensity = 0x1p-20F, kMostDensity = 0x1p20F;
 
-/// Further vertex data of a triangle for materials with kVertexed, 64 bytes. Its index is that of the triangle record.
+/// Further vertex data of a triangle for materials with kVertexed, 64 bytes. The index is that of the triangle record.
 /// The array is empty if no material needs it.
 struct VertexRecord {
   glm::vec2 uv[3];             ///< second texture coordinates (Mesh::second_uvs)
@@ -211,7 +211,7 @@ struct ObjectTree {
   std::uint32_t first_node = 0;  ///< root node of the tree, whose nodes end where the next tree begins
 };
 
-/// The scene as stored in the GPU's memory. It has one of two forms: all instances flattened into world space under one
+/// The scene as stored in the GPU's memory, in one of two forms: all instances flattened into world space under one
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root

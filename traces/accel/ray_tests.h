@@ -240,7 +240,7 @@ class RayBoxes {
   Lanes inverse_x_, inverse_y_, inverse_z_;
 };
 
-/// A 3D vector in each lane.
+/// A 3D vector in each of four SIMD lanes.
 template <class Lanes>
 struct Lanes3 {
   Lanes x, y, z;

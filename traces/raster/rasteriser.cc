@@ -7,7 +7,7 @@
 namespace traces {
 namespace {
 
-/// Depth of the near plane, in diagonals of the scene. It is small, because rays begin at the eye.
+/// Depth of the near plane, in diagonals of the scene. The depth is small, because rays begin at the eye.
 constexpr double kNear = 1e-6;
 
 double near_plane_depth(const MemoryImage& image) {

@@ -14,7 +14,7 @@ namespace traces {
 /// Result of rasterising the samples of a wave: for each sample, the nearest triangle and counts of work. Storage is
 /// reused.
 struct Coverage {
-  /// The nearest triangle at a sample.
+  /// The nearest triangle at a sample of a rasterised wave.
   struct NearestTriangle {
     std::uint32_t triangle = kNone;  ///< index of the triangle in the frame; kNone if no triangle covers the sample
     double depth = 0;

@@ -21,7 +21,7 @@ struct Transform {
   glm::vec3 scale{1};
 };
 
-/// A coordinate system to which instances, cameras and lights are attached. Its matrix relative to its parent is
+/// A coordinate system to which instances, cameras and lights are attached. The matrix relative to the parent is
 /// `matrix` x `rest`; files set only one of the two.
 struct Node {
   std::string name;

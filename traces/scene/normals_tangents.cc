@@ -143,7 +143,7 @@ class TangentBuilder {
  private:
   using Corners = std::array<std::uint32_t, 3>;
   struct Edge {
-    std::uint32_t low, high;  ///< indices of its two vertices
+    std::uint32_t low, high;  ///< indices of the edge's two vertices
     std::uint32_t number;     ///< 3 * triangle + number of the edge's first corner
     bool runs_up;             ///< the edge runs from `low` to `high`
   };
@@ -266,7 +266,7 @@ class TangentBuilder {
   std::vector<std::uint32_t> neighbour_;  ///< for each edge, the triangle across it, or kNone
   std::vector<std::uint32_t> group_of_;   ///< for each corner of a triangle, its tangent group
   std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first tangent group
-  std::vector<glm::vec4> tangents_;       ///< tangent of each group
+  std::vector<glm::vec4> tangents_;       ///< tangent of each tangent group
   std::vector<std::uint32_t> open_;       ///< triangles that the current tangent group has reached
 };
 

@@ -25,7 +25,7 @@ using Interpolation = Track::Interpolation;
 struct Span {
   std::size_t from = 0, to = 0;
   double share = 0;    ///< position between the two keys, 0 to 1
-  double seconds = 0;  ///< seconds between the two keys
+  double seconds = 0;  ///< seconds between the two animation keys
 };
 
 Span find_keys(const Track& track, double seconds) {

@@ -50,7 +50,7 @@ class TileEncoder {
   AccessWriter accesses_;
 };
 
-/// Decodes the work of tiles. It reuses the storage of earlier tiles.
+/// Decodes the work of tiles. The decoder reuses its storage from tile to tile.
 class TileDecoder {
  public:
   /// Decodes a tile and checks that any machine can execute it. `bytes` must be followed by kBitsPadding bytes. Throws

@@ -9,7 +9,7 @@
 
 namespace traces {
 
-/// The links between the nodes of a BVH. They determine which traversal walks of rays are possible.
+/// The links between the nodes of a BVH, which determine the possible traversal walks of rays.
 struct Links {
   std::vector<std::array<std::uint32_t, 2>> nodes;  ///< for each inner node, the link words of its children
   std::vector<std::uint32_t> roots;  ///< for each instance, the root of its tree or kNone; empty in trees of one level

@@ -206,7 +206,7 @@ struct Cursor {
   }
 
   const char* bits;
-  const std::uint64_t end;    ///< number of encoded bits
+  const std::uint64_t end;    ///< number of encoded bits of the input
   const std::uint32_t words;  ///< expected number of output words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;
@@ -235,7 +235,7 @@ inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Curso
   return size;
 }
 
-/// Decodes one ray's walk.
+/// Decodes the recorded walk of one ray.
 template <bool kLevels>
 inline void decode_walk(const Links& links, Cursor& c) {
   const std::array<std::uint32_t, 2>* const tree = links.nodes.data();

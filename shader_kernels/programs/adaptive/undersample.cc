@@ -316,7 +316,7 @@ void UndersampleProgram::list_suspect_samples(std::span<const PostCorrection::Su
   std::ranges::transform(suspects, out.buffer.checks.samples.entries.begin(), sample);
 }
 
-/// Traces the listed samples.
+/// Traces the listed samples, which post-correction found suspect.
 void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid,
                                         std::uint32_t items, Wavefront::Node lister) const {
   out.buffer.reserve_wave(items);

@@ -17,8 +17,8 @@ struct TileCounts {
   std::uint32_t columns = 0, rows = 0;
 };
 
-/// Interface of a frame program. It renders a list of entries in one or more passes and records the work. Most entries
-/// are one tile of the picture. A pass may read the results of all earlier passes.
+/// Interface of a frame program, which renders a list of entries in one or more passes and records the work. Most
+/// entries are one tile of the picture. A pass may read the results of all earlier passes.
 class FrameProgram {
  public:
   FrameProgram(std::uint32_t width, std::uint32_t height)

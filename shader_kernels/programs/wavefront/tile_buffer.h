@@ -73,7 +73,7 @@ struct SampleRecords {
 struct CheckRecords {
   std::vector<std::uint32_t> verdicts,
       identities;       ///< words of similarity checks and of post-correction, indexed by sample
-  SampleQueue samples;  ///< list of samples to trace
+  SampleQueue samples;  ///< list of samples to be traced
   SampleQueue passed, failed;
 };
 

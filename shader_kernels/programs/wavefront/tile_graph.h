@@ -35,10 +35,10 @@ class StreamBuilder {
   /// since the launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. Its data are the last entry of
+  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. The node's data are the last entry of
   /// TileWork::raster.
   Node add_rasterisation(std::uint32_t count, Node launch);
-  /// Adds a node that bins triangles to screen regions. Its data are the last entry of TileWork::raster.
+  /// Adds a node that bins triangles to screen regions. The node's data are the last entry of TileWork::raster.
   Node add_binning(std::uint32_t triangles);
   /// Adds a transfer of samples to memory, which completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);

@@ -17,7 +17,7 @@ namespace kernels {
 
 using traces::kPixelBytes;
 
-/// A sample as post-correction stores it.
+/// A sample of an undersampled picture as post-correction stores it.
 struct CorrectionSample {
   std::uint32_t identity = 0;
   glm::vec3 colour{};

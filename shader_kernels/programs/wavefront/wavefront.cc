@@ -133,7 +133,7 @@ constexpr RecordStages kVisibleRecords{launch<RecordVisible>, launch<RecordVisib
 constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch<RecordVisibleShadow>,
                                              launch<CombineRecordVisibleShadow>};
 
-/// Returns a hash of the number of the bounce. Its two lowest bits are 0.
+/// Returns a hash of the number of the bounce. The two lowest bits of the hash are 0.
 std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 
 /// Makes the seeds of occlusion rays differ from those of soft-shadow rays.

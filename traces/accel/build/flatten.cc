@@ -17,7 +17,8 @@
 namespace traces {
 namespace {
 
-/// Returns the matrix for normals: the transposed inverse times |determinant|. It exists even if the instance is flat.
+/// Returns the matrix for normals: the transposed inverse times |determinant|. This matrix exists even if the instance
+/// is flat.
 glm::mat3 normal_matrix(const glm::mat4& to_world) {
   const glm::vec3 x(to_world[0]), y(to_world[1]), z(to_world[2]);
   const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));

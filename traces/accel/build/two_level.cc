@@ -30,7 +30,7 @@ constexpr float kPadding = 64;
 struct Placement {
   InstanceRecord record{};
   /// Factor by which rounding errors grow between the world and the mesh's space: the largest row sum of |to_world|
-  /// |to_object|. It is 1 for a scaling along axes and at most 3 for a rotation.
+  /// |to_object|. The factor is 1 for a scaling along axes and at most 3 for a rotation.
   float growth = 1;
 };
 

@@ -7,8 +7,8 @@
 
 namespace traces {
 
-/// Interface of the images module, which converts between pixels and the bytes of a file. It opens no image files and
-/// throws nothing: each call returns an error text, which is empty on success.
+/// Interface of the images module, which converts between pixels and the bytes of a file. The module opens no image
+/// files and throws nothing: each call returns an error text, which is empty on success.
 class ImageCodec {
  public:
   struct Size {

@@ -86,7 +86,7 @@ std::string png_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t c
 
 namespace {
 
-/// An output file in memory. It can seek, because OpenEXR writes the offsets of scan lines last.
+/// An output file in memory. Seeking is possible, because OpenEXR writes the offsets of scan lines last.
 class Memory : public Imf::OStream {
  public:
   Memory() : OStream("memory") {}
