@@ -63,7 +63,7 @@ using AllKernels = std::tuple<
     Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>, ListContrasts<0>,
     ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
     AverageContrasts<2>,
-    // Kernels for soft shadows, ambient occlusion and effects at a lower rate.
+    // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
     // Fused kernels. Variants of theirs are added at the end; tests require that all unfused kernels precede them.

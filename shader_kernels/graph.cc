@@ -130,7 +130,7 @@ class Fuser {
   }
 
  private:
-  /// Key of a record: its memory, and the nodes that compute its index.
+  /// Identifies a record that a kernel accesses: its memory, and the graph nodes that compute its index.
   using Address = std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint32_t>;
   struct Record {
     std::uint32_t load = kNone;   ///< node whose load reads the record

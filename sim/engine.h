@@ -108,8 +108,9 @@ Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reac
   }
 }
 
-/// Runs the partitions of a machine one after the other, each as far as it may run. Returns the time from which they
-/// must run together, or kNever if no unit wakes. No partition passes an interval boundary before all have reached it.
+/// Runs the partitions of a machine one after the other, each up to its limit, as long as limits allow. Returns the
+/// time from which the engine must run all units together, or kNever if no unit wakes. No partition runs beyond an
+/// interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   WakeupTable& wakeups = owner.machine().wakeup_table();

@@ -30,9 +30,9 @@ class Intervals {
   // Functions with which a machine records its intervals.
   void allocate_rows(std::size_t values_per_row);
   Time next_boundary() const { return (rows_ + 1) * length_; }
-  /// Adds a row for the next interval boundary. The caller fills it with values.
+  /// Adds a row of counters for the next interval boundary. The caller fills the row.
   std::uint64_t* add_next_row();
-  /// Adds a row for the end of the run. The caller fills it with values.
+  /// Adds a row of counters for the end of the run. The caller fills the row.
   std::uint64_t* add_last_row(Time end);
 
   Time interval_length() const { return length_; }

@@ -159,8 +159,8 @@ class Link {
   const Clock producer_clock_, consumer_clock_;
 };
 
-/// Returns the next time after `now` at which a unit may move an item. `item_at`: time at which the item is available.
-/// `output_free_at`: time at which the output has room.
+/// Returns the next time after `now` at which a unit may move an item from an input to an output. `item_at`: time at
+/// which the item is available. `output_free_at`: time at which the output has room.
 constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time output_free_at) {
   return item_at > now ? item_at : std::max(now + period, output_free_at);
 }

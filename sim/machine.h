@@ -100,9 +100,9 @@ class Machine {
     units_.push_back(std::move(built));
     return unit;
   }
-  /// Makes these units a cluster that owner.run(turn, now) runs, from their first wake-up time `now` to the end of the
-  /// turn. owner.run() must update the wake-up times and group minima in `turn`. The units must share an outer
-  /// partition and a clock. A partition has at most one cluster.
+  /// Makes these units a cluster: owner.run(turn, now), instead of the engine, ticks them from their first wake-up time
+  /// `now` until the end of the turn. owner.run() must update the wake-up times and group minima in `turn`. The units
+  /// must share an outer partition and a clock. A partition has at most one cluster.
   template <class Owner>
   void set_cluster(std::vector<UnitId> units, Owner& owner) {
     require_cluster_rules(units);

@@ -147,7 +147,7 @@ class Experiment {
   void add_request(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
-  /// True if the DRAM configuration of the experiment is valid: its values satisfy the rules between keys.
+  /// True if the experiment's DRAM configuration is valid: its values satisfy the rules that involve several keys.
   bool is_possible() const {
     bool good = true;
     config.check([&good](auto&&...) { good = false; });

@@ -31,7 +31,7 @@ class MemorySystem {
  public:
   enum class Dma : bool { kNo, kYes };  ///< selects whether cores have a DMA port
 
-  /// `config` must outlive this object.
+  /// `config` must outlive the memory system.
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
                Observer* observer = nullptr);
 

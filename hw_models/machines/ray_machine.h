@@ -75,7 +75,8 @@ RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfa
 class CoreRays {
  public:
   static constexpr std::uint32_t kBlock = 64;
-  /// Callback for each finished block, with its number of rays. If it returns false, the core starts no further block.
+  /// Callback for each finished block of rays, with the block's number of rays. If the callback returns false, the core
+  /// starts no further block.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
   CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
@@ -118,7 +119,8 @@ struct RayProgress {
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
-  /// Callback for each finished block of rays. If it returns false, only the blocks already started are finished.
+  /// Callback for each finished block of rays. If the callback returns false, only the blocks already started are
+  /// finished.
   using Watch = std::function<bool(const RayProgress& so_far)>;
 
   /// `parents`: parent node of each node of the image's BVH. All arguments must outlive this object.

@@ -84,7 +84,7 @@ class L1Cache {
   /// Returns the outstanding miss of a line, or null if the line is not requested.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
 
-  /// Returns the number of misses whose memory requests have not been sent yet.
+  /// Returns the number of misses of the first-level cache whose memory requests have not been sent yet.
   std::size_t unsent_requests() const { return unsent_.size(); }
   /// Sends the oldest unsent memory request, if there is one and the link has room.
   void send_request(sim::Time now, sim::Link<MemRequest>& out) {

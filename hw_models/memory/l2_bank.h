@@ -35,8 +35,8 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
-  /// Looks up a line. Returns kNot if it is not cached, kPart if some wanted sectors are invalid, kAll if all are
-  /// valid.
+  /// Looks up a line. Returns kNot if it is not cached, kPart if some of the wanted sectors are invalid, kAll if all
+  /// are valid.
   Found look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;

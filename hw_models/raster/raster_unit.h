@@ -177,7 +177,7 @@ class RasterFetch {
 
   /// True if all lines of the oldest triangle in the rasteriser's window have arrived.
   bool is_ready() const { return !empty() && done_[kLast] > left_ && slot_of(left_).pending == 0; }
-  /// Returns the number of vertices of the window's oldest triangle that must be transformed.
+  /// Returns the number of vertices of the oldest triangle in the rasteriser's window that must be transformed.
   std::uint32_t missed_vertex_count() const { return slot_of(left_).missed; }
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }
@@ -337,7 +337,7 @@ class RasterUnit {
 
   const Job& job_at(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
-  /// Moves the cursor to the first job with an unprocessed triangle. Returns false if no job has one.
+  /// Moves the cursor to the first rasteriser job with an unprocessed triangle. Returns false if no job has one.
   bool advance_cursor(Cursor& cursor) const;
   /// Counts the events of the rasteriser's back stage for one triangle: adding it to tile lists (geometry pass), or
   /// finding the samples that it covers (wave). Returns the cycles that this takes.

@@ -43,7 +43,8 @@ constexpr bool is_memory_class(OpClass op_class) {
   return op_class == OpClass::kLocalRead || op_class == OpClass::kLocalWrite || op_class == OpClass::kCachedRead;
 }
 
-/// Returns the latency of an operation class: cycles from an operation's issue to the first use of its result.
+/// Returns the latency of a class of kernel operations: cycles from an operation's issue to the first use of its
+/// result.
 std::uint32_t latency_of(OpClass op_class, const OpLatencyConfig& latency);
 /// Returns the cycles for which a kernel operation of this class occupies its functional unit or memory port.
 std::uint32_t occupancy_of(OpClass op_class, const OpLatencyConfig& latency);

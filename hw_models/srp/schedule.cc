@@ -68,7 +68,8 @@ class Placer {
     }
   }
 
-  /// Places all operations. Returns false if some are unplaced after `tries_per_operation` placements per operation.
+  /// Places all operations of the kernel. Returns false if some are unplaced after `tries_per_operation` placements per
+  /// operation.
   bool place_all_operations(std::size_t tries_per_operation) {
     if (height_.size() != starts_.size()) return false;
     for (; tried_ < tries_per_operation * starts_.size(); ++tried_) {

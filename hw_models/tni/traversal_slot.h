@@ -61,8 +61,8 @@ struct StackStats {
 /// without a hit, the ray needs a pop first.
 /// 2. A visit that hits both children pushes the far child. If the short stack is full, its oldest entry is dropped.
 /// 3. A popped entry that is farther than the ray's hit is discarded. Each pop is an operation of the stack pipe.
-/// 4. A pop from an empty short stack restarts the traversal: the ray visits the nodes down to the origin of the wanted
-/// entry again. It begins at the node of the oldest dropped entry or, with a restart trail, at the root. These visits
+/// 4. A pop from an empty short stack restarts the traversal: the ray again visits the nodes down to the origin of the
+/// popped entry. It begins at the node of the oldest dropped entry or, with a restart trail, at the root. These visits
 /// refill the short stack.
 class TraversalSlot {
  public:

@@ -148,7 +148,8 @@ struct CombineRecordVisibleShadow : Fused<CombineShadow, RecordVisibleShadow> {
 
 // Kernels that check and interpolate samples between two reference samples.
 
-/// Checks a sample and interpolates it in one pass. Used where no later kernel reads the list of samples that passed.
+/// Checks a sample and interpolates it, in one kernel. Used where no later kernel reads the list of samples that
+/// passed.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
                                 InterpolateAll<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {

@@ -110,7 +110,8 @@ struct InterpolateAll {
   }
 };
 
-/// Ports of kernels that check samples: the failed checks go to `verdicts`, the sample to one of two lists.
+/// Ports of kernels that check samples: they store the failed checks in `verdicts` and append the sample to one of two
+/// lists.
 template <class V>
 struct VerdictPorts {
   LineUniforms<V> line;

@@ -23,8 +23,8 @@ void find_nodes_with_key(const ConfigNode& group, std::string_view key, std::vec
   }
 }
 
-/// True if an unknown key in `group` may have been meant as the field `elsewhere` of another group. In a group without
-/// subgroups, that is possible only for kinds of fields that the group has.
+/// True if an unknown key in `group` may have been meant as the configuration field `elsewhere` of another group. If
+/// `group` has no subgroups, it must contain a field of the same kind as `elsewhere`.
 bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
   if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
   return !elsewhere.is_group() &&

@@ -5,7 +5,7 @@
 namespace sim {
 namespace {
 
-/// True if `key` is `path`, or the beginning of `path` up to a '.', '_' or '@'.
+/// True if `key` equals `path`, or is the beginning of `path` up to a '.', '_' or '@'.
 bool covers(std::string_view key, std::string_view path) {
   if (!path.starts_with(key)) return false;
   return path.size() == key.size() || path[key.size()] == '.' || path[key.size()] == '_' || path[key.size()] == '@';

@@ -6,8 +6,8 @@
 
 namespace sim {
 
-/// Multiplies each value of a group of Bands by the factor of the longest key that covers it: low by low, nominal by
-/// nominal, high by high.
+/// Multiplies each Band (low, nominal and high value) of a configuration group by the factor of the longest key that
+/// covers it: low by low, nominal by nominal, high by high.
 ///
 /// A key is a field of the group, or a field and the beginning of an entry's name. "events" covers all entries of field
 /// `events`. "events.cache" covers the entry "cache.l1_read@16KiB" and overrides "events" for it.

@@ -78,7 +78,7 @@ std::string band_problem(const ConfigNode& field, const Band& band) {
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", band_text(band));
 }
 
-/// Parses a number from `digits`. `text`: the whole text, for errors.
+/// Parses the number `digits` as the value of a configuration field. `text`: the whole text of the value, for errors.
 double parse_double(const ConfigNode& field, std::string_view digits, std::string_view text, std::string_view what) {
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);

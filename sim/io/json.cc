@@ -51,7 +51,7 @@ struct Json::Object {
     const auto found = std::ranges::find(entries, key, &Entry::key);
     return found == entries.end() ? nullptr : &*found;
   }
-  /// Adds an entry for a key, which must be absent. Returns a reference to its value.
+  /// Adds an entry to the JSON object for a key, which must be absent. Returns a reference to the value.
   Json& add(std::string key) {
     entries.push_back({std::move(key), Json()});
     if (index != nullptr) {

@@ -76,7 +76,8 @@ inline std::string entry_name(const UnitReport& unit) {
   return unit.block + "." + kind;
 }
 
-/// Returns a unit's entry in a table: by entry_name(), or else the entry of its block. Null if the table has neither.
+/// Returns a unit's entry in an energy or area table: by entry_name(), or else the entry of its block. Null if the
+/// table has neither.
 template <class Table>
 auto find_entry(const Table& table, const UnitReport& unit) -> const typename Table::mapped_type* {
   for (const std::string& name : {entry_name(unit), unit.block}) {
@@ -85,8 +86,8 @@ auto find_entry(const Table& table, const UnitReport& unit) -> const typename Ta
   return nullptr;
 }
 
-/// Returns a unit's entry in a table. If there is none, throws InputError with the key of the table and both names that
-/// were looked up.
+/// Returns a unit's entry in an energy or area table. If there is none, throws InputError with the key of the table and
+/// both names that were looked up.
 const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key);
 /// Throws the InputError of required_entry() for a missing entry.
 [[noreturn]] void throw_missing_entry(const UnitReport& unit, std::string_view key);

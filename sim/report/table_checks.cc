@@ -32,8 +32,8 @@ using Names = std::set<std::string>;
 
 std::string whole_entry(std::string_view entry) { return std::string(entry); }
 
-/// Throws InputError unless the names of all entries of a table are known. `name_of`: returns the name of an entry,
-/// without a size at the end if the table has sizes.
+/// Throws InputError unless the names of all entries of an energy or area table are known. `name_of`: returns the name
+/// of an entry, without a size at the end if the table has sizes.
 void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view fault,
                    const Names& known, std::string (*name_of)(std::string_view) = whole_entry) {
   for (const auto& [entry, value] : entries) {

@@ -63,8 +63,8 @@ class ThermalNetwork {
   /// Returns the temperatures after infinite time under constant heat: ambient + heat x resistance.
   Temperatures steady_temperatures(const HeatFlow& heat) const;
 
-  /// Effect of the nodes' initial distances from their steady temperatures after a time: `die_of_body` is the remaining
-  /// distance of the die per degree of initial distance of the body.
+  /// How the initial deviations of die and body from their steady temperatures decay over a time. `die_of_body` is the
+  /// remaining deviation of the die per degree of initial deviation of the body.
   struct Decay {
     double die_of_die = 1, die_of_body = 0, body_of_die = 0, body_of_body = 1;
   };

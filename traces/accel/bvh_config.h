@@ -22,7 +22,8 @@ enum class InstanceLevels : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
 
-/// Configuration keys of the BVH: how it is built, which determines the walks, and its format in memory.
+/// Configuration keys of the BVH: how it is built, which determines the traversal walks of rays, and its format in
+/// memory.
 struct BvhConfig {
   std::uint32_t leaf_size = 4;
   std::uint32_t max_depth = 64;

@@ -237,7 +237,7 @@ class Walk {
   Record& record_;
   RayBoxes<Lanes> boxes_;
   RayTriangles<Lanes> triangles_;
-  /// The ray in world space, kept while `boxes_` has the space of an instance.
+  /// The ray in world space, stored because `boxes_` may have the ray in the space of an instance.
   [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;
   std::uint32_t instance_ = kNone;  ///< instance into whose space the ray is transformed, or kNone
   std::uint32_t hit_instance_ = kNone;

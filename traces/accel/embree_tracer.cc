@@ -114,7 +114,7 @@ RTCRay embree_ray(const Ray& ray) {
   return r;
 }
 
-/// Embree calls this during the build; returning false cancels it.
+/// Function that Embree calls during the build; returning false cancels the build.
 bool continue_commit(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
 
 }  // namespace

@@ -154,7 +154,7 @@ static_assert(sizeof(MaterialDetailRecord) == 64);
 struct Layout {
   std::uint64_t nodes = 0, instances = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::uint32_t node_bytes = sizeof(NodeRecord);
-  /// If a tree record holds a single box: the record indices of each inner node's children. Otherwise empty, and the
+  /// If a BVH record holds a single box: the record indices of each inner node's children. Otherwise empty, and the
   /// index of a record is that of its node.
   std::vector<std::array<std::uint32_t, 2>> single_boxes;
   std::uint32_t triangle_bytes = sizeof(TriangleRecord);
@@ -171,7 +171,7 @@ struct Layout {
   static constexpr std::uint32_t kVerticesBytes = 36;
   static constexpr std::uint32_t kLabelBytes = sizeof(TriangleRecord) - kVerticesBytes;
 
-  /// Returns the address of tree record `i`.
+  /// Returns the address of BVH record `i`.
   std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
   std::uint64_t instance_at(std::uint32_t i) const { return instances + std::uint64_t{i} * sizeof(InstanceRecord); }
   std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }

@@ -13,7 +13,7 @@ namespace traces {
 enum class BoxNumbers : std::uint8_t { kFp32, kHybrid };
 constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32", "hybrid"}; }
 
-/// What a tree record contains: both child boxes of an inner node, or one box with its link.
+/// What a BVH record contains: both child boxes of an inner node, or one box with its link.
 enum class BoxRecords : std::uint8_t { kPair, kSingle };
 constexpr std::array<std::string_view, 2> names_of(BoxRecords) { return {"pair", "single"}; }
 
@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kPlaneBits = 19;
 
 constexpr std::uint32_t plane_bits(BoxNumbers numbers) { return numbers == BoxNumbers::kHybrid ? kPlaneBits : 32; }
 
-/// Returns the bytes that the boxes of a tree record take, rounded up.
+/// Returns the bytes that the boxes of a BVH record take, rounded up.
 constexpr std::uint32_t box_bytes(BoxNumbers numbers, BoxRecords boxes) {
   return ((boxes == BoxRecords::kPair ? 12 : 6) * plane_bits(numbers) + 7) / 8;
 }
@@ -40,8 +40,8 @@ inline constexpr std::uint32_t kLinkBits = 1 + 3 + 26, kFlagBits = 2 * kMaxLeafT
 static_assert(kMaxTriangles == 1U << 26 && kMaxLeafTriangles == 1U << 3 && 2 * kMaxNodes < 1U << (kLinkBits - 1));
 static_assert(6 * kPlaneBits + kLinkBits + kFlagBits == 8 * node_bytes(BoxNumbers::kHybrid, BoxRecords::kSingle));
 
-/// Returns the number of records of `trees` trees that have `inner` inner nodes together. With single boxes each node
-/// has two child records, and each root has a record too.
+/// Returns the number of BVH records of `trees` trees that have `inner` inner nodes together. With single boxes each
+/// node has two child records, and each root has a record too.
 constexpr std::uint64_t node_records(std::uint64_t inner, BoxRecords boxes, std::uint64_t trees = 1) {
   return boxes == BoxRecords::kPair ? inner : 2 * inner + trees;
 }

@@ -38,8 +38,8 @@ constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
 }
 
 inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;
-/// Returns the largest unpacked size that a block of `packed` bytes may have. The limit keeps the memory that a small
-/// file can demand within 30 times its blocks' contents. Only highly repetitive data would pack better.
+/// Returns the largest unpacked size that a block of `packed` bytes in a trace may have. The limit keeps the memory
+/// that a small file can demand within 30 times its blocks' contents. Only highly repetitive data would pack better.
 constexpr std::uint64_t most_unpacked_bytes(std::uint64_t packed) {
   return std::max(kMaxSmallBlock, kMaxPacking * packed);
 }

@@ -47,7 +47,8 @@ void read_coverage(ByteReader& from, RasterTriangle& t) {
   t.passed = from.read_number32(t.samples - t.hidden_samples, kWhat);
 }
 
-/// Writes the numbers of list runs and triangles of a rasteriser node. Reading them adds an entry to TileWork::raster.
+/// Encodes the numbers of list runs and triangles of a rasteriser node. Decoding them adds an entry to
+/// TileWork::raster.
 void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   to.write_number(job.runs);
@@ -67,7 +68,7 @@ void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work) {
   work.raster.push_back(job);
 }
 
-/// Writes the data of a rasteriser node: list runs, then triangles.
+/// Encodes the data of a rasteriser node of the work graph: list runs, then triangles.
 void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   std::uint32_t end = 0;
@@ -93,7 +94,7 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   }
 }
 
-/// Reads the data of a rasteriser node, whose counts are in TileWork::raster. Throws InputError, without a file name,
+/// Decodes the data of a rasteriser node, whose counts are in TileWork::raster. Throws InputError, without a file name,
 /// if the data exceed `demands`.
 void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode& node, TileWork& work) {
   const RasterWork& job = work.raster[node.raster];
@@ -264,7 +265,7 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
-/// Reads which earlier nodes node `n` depends on, and how.
+/// Decodes on which earlier nodes of the work graph node `n` depends, and how.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
   for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {

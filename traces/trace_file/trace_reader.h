@@ -41,12 +41,12 @@ class TraceReader {
   std::uint64_t file_bytes() const { return size_; }
   std::size_t tree_count() const { return trees_.size(); }
 
-  /// Returns the limits for tiles of a part. `kernels` is the number of kernels that exist.
+  /// Returns the limits for tiles of a part of the trace. `kernels` is the number of kernels that exist.
   TileScope tile_scope(const Part& part, std::uint32_t kernels) const;
-  /// Returns where in the file each tile of a part is.
+  /// Returns where in the trace file each tile of a part is.
   std::vector<FileRange> tiles(const Part& part) const;
 
-  /// Reads tiles one at a time. Any number of cursors may be used at once.
+  /// Reads the tiles of a trace one at a time. Any number of cursors may be used at once.
   class Cursor {
    public:
     explicit Cursor(const TraceReader& trace) : trace_(trace) {}
@@ -59,7 +59,7 @@ class TraceReader {
     TileDecoder decoder_;
   };
 
-  /// Calls `f`. Errors that it throws are prefixed with the file name.
+  /// Calls `f`. Errors that `f` throws are prefixed with the name of the trace file.
   template <class F>
   decltype(auto) add_file_name_to_errors(F&& f) const {
     try {

@@ -84,7 +84,7 @@ class WalkChecker {
   const std::uint32_t* next_word() const { return at_; }
   const WalkSteps& step_counts() const { return steps_; }
 
-  /// Checks one ray's walk and writes its bits to `out`. Returns false if the walk does not fit the tree.
+  /// Checks the recorded walk of one ray and writes its bits to `out`. Returns false if the walk does not fit the BVH.
   template <class Bits>
   bool follow_walk(Bits& out) {
     std::uint32_t link = 0, depth = 0;
@@ -191,8 +191,8 @@ namespace {
 
 constexpr std::uint32_t kMostWords = 4;  // number of words that a step and what follows it can write
 
-/// State of the decoder: the input bits and the output words. Output grows only as far as input has been decoded, so a
-/// forged count cannot exhaust memory.
+/// State of the decoder of walks: the input bits and the output words. Output grows only as far as input has been
+/// decoded, so a forged count cannot exhaust memory.
 struct Cursor {
   Cursor(std::string_view from, std::uint32_t count, std::vector<std::uint32_t>& to)
       : bits(from.data()), end(8 * from.size()), words(count), walk(to) {

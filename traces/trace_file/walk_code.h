@@ -28,13 +28,13 @@ inline constexpr std::size_t kBitsPadding = 8;
 /// possible in the BVH.
 bool encode_walks(const TileWork& work, const Links& links, std::string& out);
 
-/// Decodes the walks of `rays` rays with `words` words in total, and returns their traversal steps. `bits` must be
+/// Decodes the recorded walks of `rays` rays, `words` words in total, and returns their traversal steps. `bits` must be
 /// followed by kBitsPadding bytes. Throws InputError if the bits are not valid.
 WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                        TileWork& work);
 
-/// Reads the walks of `rays` rays that are stored as plain words of four bytes (walk.h), and returns their traversal
-/// steps. Throws InputError if a walk does not fit the tree.
+/// Reads the recorded walks of `rays` rays that are stored as plain words of four bytes (walk.h), and returns their
+/// traversal steps. Throws InputError if a walk does not fit the BVH.
 WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work);
 
 }  // namespace traces

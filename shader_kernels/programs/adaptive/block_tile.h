@@ -94,18 +94,18 @@ class BlockTile {
 
   /// Traces the reference sample of every block.
   void trace_references();
-  /// Returns the samples of the reference rows that are between two references.
+  /// Returns those samples in the rows with references that are between two reference samples.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
   /// Returns the samples of the rows without references. Each of these samples is between two reference rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
   void trace_failed_samples(const BlockLines& lines, const Verdict& verdict);
 
-  /// Writes the references of the last column to memory, for the tile on the right.
+  /// Writes the reference samples of the last column to memory, for the tile on the right.
   void export_right_border();
-  /// Writes the last row to memory, for the tile below.
+  /// Writes the last row of samples to memory, for the tile below.
   void export_lower_border();
-  /// Loads or traces the last column of the tile on the left, as AdaptiveConfig::halo selects.
+  /// Loads or traces the last column of samples of the tile on the left, as AdaptiveConfig::halo selects.
   void import_left_halo();
   /// Loads or traces the last row of the tile above, as AdaptiveConfig::halo selects. `resolve(lines)` renders the
   /// samples between the references of that row.

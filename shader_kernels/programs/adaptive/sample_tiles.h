@@ -99,7 +99,7 @@ class FinishedTiles {
 
   /// Returns the number of samples that a tile stores in memory for its neighbours.
   std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * tile_side(); }
-  /// Calls f(part) for each of the HaloParts of a tile.
+  /// Calls f(part) for each rectangle (HaloPart) of a tile's halo.
   void for_each_halo_part(const SampleTile& at, auto&& f) const {
     const std::uint32_t h = halo_width();
     if (h == 0) return;

@@ -241,8 +241,8 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Samples the active sub-pixels after nodes `tested` and `weighing`. Returns the launch that completes the tile's
-/// pixels.
+/// Samples the active sub-pixels, which launch `tested` found, and adds them to the pixel sums of launch `weighing`.
+/// Returns the launch that completes the tile's pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active_subpixels(Tile& tile, Node tested, Node weighing) const {
   std::vector<Chunk> chunks;
   const Node packed = list_active_subpixels(tile, tested, chunks);

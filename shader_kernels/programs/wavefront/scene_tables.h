@@ -54,7 +54,7 @@ struct SceneTables {
   Effects effects;
   std::uint32_t occlusion_rays;  ///< number of occlusion rays per surface; 0: no ambient occlusion
   std::uint32_t shadow_rays;     ///< number of shadow rays per surface and light; 0: no shadows
-  bool is_checkerboard;          ///< effects at a lower rate use a checkerboard (RenderConfig::effect_rate)
+  bool is_checkerboard;          ///< effects are traced on a checkerboard (RenderConfig::effect_rate)
   bool has_details;              ///< some surface belongs to a queue that classify_details fills
   bool dma_encodes;              ///< the DMA encodes sRGB (RenderConfig::srgb)
   bool diverges;                 ///< kernels of a material class run over all surfaces (RenderConfig::streams)

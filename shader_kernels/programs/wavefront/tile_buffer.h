@@ -69,7 +69,7 @@ struct SampleRecords {
   std::vector<ColourRecord<float>> globals;  ///< global colours of samples: without light from lights at the first hit
 };
 
-/// Results of the checks of multirate and undersample.
+/// Results of the similarity checks of multirate and undersample.
 struct CheckRecords {
   std::vector<std::uint32_t> verdicts,
       identities;       ///< words of similarity checks and of post-correction, indexed by sample
@@ -88,11 +88,11 @@ struct SubpixelRecords {
   std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels, kept for rounds of propagation
 };
 
-/// Records that filters read: those of reconstruct, and of effects at a lower rate.
+/// Records that filters read: those of reconstruct, and of effects that are traced at only some pixels.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
-  std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples, for effects at a lower rate
-  std::vector<RatioRecord<float>> ratios;   ///< visible fraction of each light, for effects at a lower rate
+  std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples (UpsampledProgram)
+  std::vector<RatioRecord<float>> ratios;   ///< visible fraction of each light (UpsampledProgram)
 };
 
 /// Traversal work of the rays of one pixel.

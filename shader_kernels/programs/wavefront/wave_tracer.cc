@@ -12,8 +12,9 @@ using traces::RayKind;
 
 namespace {
 
-/// Light below this fraction of min_weight is dropped; by default that is one step of a dark 8-bit sRGB channel. Paths
-/// are dropped at a larger weight, because a sample has few paths, while a picture may have many dark surfaces.
+/// A shadow ray whose light is below this fraction of min_weight is dropped; by default that is one step of a dark
+/// 8-bit sRGB channel. Paths are dropped at a larger weight, because a sample has few paths, while a picture may have
+/// many dark surfaces.
 constexpr float kLeastLight = 0x1p-5F;
 
 }  // namespace
@@ -65,7 +66,7 @@ WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std:
   return node;
 }
 
-/// Counts the traversal steps of the rays traced last, for the tile and for their samples.
+/// Counts the traversal steps of the rays that were traced last, for the tile and for their samples.
 void WaveTracer::count_traversal_steps(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
   const std::span walk(out_.work.walk);
   const std::vector<std::uint32_t>& begin = out_.work.ray_begin;

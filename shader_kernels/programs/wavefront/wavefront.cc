@@ -394,7 +394,7 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
   if (kept != nullptr) combine(kept->shadows, false, true);
 }
 
-/// Lights first hits if occlusion and soft shadows have a lower rate than shading: every sample stores its unoccluded
+/// Lights first hits if occlusion and soft shadows are traced at only some pixels: every sample stores its unoccluded
 /// light, and only the selected samples cast rays that find the visible fraction.
 void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;

@@ -26,7 +26,7 @@ struct InnerNode : TreeNode {
   Bounds bounds[2];  ///< boxes of the two children
 };
 
-/// A leaf. In memory `count` triangle indices follow it.
+/// A leaf of the tree that Embree's builder makes. In memory `count` triangle indices follow the leaf.
 struct LeafNode : TreeNode {
   std::uint32_t* triangle_indices() { return reinterpret_cast<std::uint32_t*>(this + 1); }
   const std::uint32_t* triangle_indices() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
@@ -78,7 +78,7 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   return leaf;
 }
 
-/// Appends the tree below `root` and returns the link word of its root.
+/// Appends Embree's tree below `root` to `out` and returns the link word of its root.
 std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   if (root.count != 0) {
     const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangle_indices();
@@ -99,8 +99,8 @@ std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   return index;
 }
 
-/// Appends the root of a tree as an inner node. A single leaf or an empty tree gets an inner node as parent. `bounds`
-/// are those of the whole tree.
+/// Appends the root of Embree's tree to `out` as an inner node. A single leaf or an empty tree gets an inner node as
+/// parent. `bounds` are those of the whole tree.
 void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   if (root != nullptr && root->count == 0) {
     append_subtree(*root, out);

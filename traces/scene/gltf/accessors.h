@@ -25,10 +25,10 @@ std::vector<float> read_floats(Context& context, int accessor, const char* what)
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what);
 std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* what);
 std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* what);
-/// Reads 4 x 4 matrices, which must have single precision.
+/// Reads an accessor of 4 x 4 matrices, which must have single precision.
 std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what);
 
-/// Reads unsigned integers of 8, 16 or 32 bits.
+/// Reads an accessor of unsigned integers of 8, 16 or 32 bits.
 std::vector<std::uint32_t> read_indices(Context& context, int accessor);
 
 }  // namespace traces::gltf

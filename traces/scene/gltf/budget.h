@@ -10,7 +10,7 @@
 
 namespace traces::gltf {
 
-/// The memory that a file may still use, so that a small file cannot demand a huge scene.
+/// The memory that a glTF file may still use, so that a small file cannot demand a huge scene.
 class Budget {
  public:
   Budget(std::string file, std::uint64_t bytes) : file_(std::move(file)), limit_(bytes), left_(bytes) {}

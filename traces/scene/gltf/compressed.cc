@@ -113,7 +113,7 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
       dense_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, std::size_t{mesh.num_faces()} * 3));
 }
 
-/// Appends a value as component type T. Returns false if T cannot represent it.
+/// Appends a value to `bytes` as component type T. Returns false if T cannot represent the value.
 template <class T>
 bool append_value(double value, std::vector<unsigned char>& bytes) {
   if constexpr (std::is_integral_v<T>) {

@@ -55,7 +55,7 @@ glm::quat to_rotation(const Context& context, const std::vector<double>& list, c
 /// Returns `matrix` with its last row replaced by 0, 0, 0, 1, as glTF demands.
 glm::mat4 to_affine(glm::mat4 matrix);
 
-/// Returns the object of the extension called `name`, or null.
+/// Returns the JSON object of the glTF extension called `name`, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
 /// Returns the number stored under `key` in an extension's object, or `absent`.

@@ -13,7 +13,7 @@
 
 namespace traces::gltf {
 
-/// The textures of a file. An image is decoded when a material first uses it; unused images are never decoded.
+/// The textures of a glTF file. An image is decoded when a material first uses it; unused images are never decoded.
 class Textures {
  public:
   explicit Textures(Context& context) : context_(context) {}

@@ -9,7 +9,7 @@
 
 namespace traces::gltf {
 
-/// Returns the accessor index of the primitive's attribute called `name`, or -1.
+/// Returns the accessor index of the glTF primitive's attribute called `name`, or -1.
 int find_attribute(const tinygltf::Primitive& primitive, const std::string& name);
 
 // These functions fill `mesh`, whose material and positions must be set. They throw InputError if the number of values
@@ -20,7 +20,7 @@ void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh&
 /// Reads vertex colours (COLOR_0), 0..1. The colours stay empty if all are white and opaque.
 void read_colours(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
 
-/// The meshes of a file. A mesh is read when a node first shows it; a mesh that no node shows is not in the scene.
+/// The meshes of a glTF file. A mesh is read when a node first shows it; a mesh that no node shows is not in the scene.
 class Meshes {
  public:
   Meshes(Context& context, std::vector<Placements> placements)

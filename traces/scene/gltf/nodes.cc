@@ -127,7 +127,7 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
   context.scene.lights.push_back(light);
 }
 
-/// Reads a node with its transform relative to its parent. The parent itself is not set.
+/// Reads a glTF node with its transform relative to its parent. The parent itself is not set.
 Node read_node(const Context& context, const tinygltf::Node& node, const std::string& what) {
   Node out;
   out.name = sim::printable(node.name);

@@ -29,7 +29,7 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
 /// `where`, if the URI has a scheme, is absolute or leaves the file's folder.
 std::string local_path(std::string_view uri, std::string_view where);
 
-/// True for a data: URI (RFC 2397).
+/// True if `uri` is a data: URI (RFC 2397).
 bool is_data_uri(std::string_view uri);
 
 /// Returns the bytes of a data: URI of any media type. Throws InputError, beginning with `where`, if it is malformed.

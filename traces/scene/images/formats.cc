@@ -175,7 +175,7 @@ bool take_text(std::string_view& rest, std::string_view& text) {
   return true;
 }
 
-/// Checks a channel list. Returns what is wrong with it, or an empty text.
+/// Checks the channel list of an OpenEXR header. Returns what is wrong with it, or an empty text.
 std::string problem_of_channels(std::string_view list) {
   std::size_t channels = 0;
   std::string_view name;
@@ -186,7 +186,8 @@ std::string problem_of_channels(std::string_view list) {
   return channels > kMostChannels ? fmt::format("{} channels, allowed are 1 to {}", channels, kMostChannels) : "";
 }
 
-/// Returns what is wrong with an attribute whose type has another size or is not one that we write, or an empty text.
+/// Returns what is wrong with an attribute of an OpenEXR header: another size than its type has, or a type that we do
+/// not write. Empty if the attribute is good.
 std::string problem_of_kind(std::string_view kind, std::size_t size) {
   if (kind == "string" || kind == "chlist") return {};
   const auto* found = std::ranges::find(kKinds, kind, &std::pair<std::string_view, std::size_t>::first);
@@ -194,7 +195,7 @@ std::string problem_of_kind(std::string_view kind, std::size_t size) {
   return found->second == size ? "" : fmt::format("damaged: a {} of {} bytes", kind, size);
 }
 
-/// Returns what is wrong with a data window (two inclusive corners), or an empty text.
+/// Returns what is wrong with the data window (two inclusive corners) of an OpenEXR header, or an empty text.
 std::string problem_of_window(std::string_view box, std::uint64_t most_pixels) {
   const auto side = [&](std::size_t at) {
     return std::int64_t{number_at<std::int32_t>(box, at + 8)} - number_at<std::int32_t>(box, at) + 1;
