@@ -139,7 +139,8 @@ class Fuser {
   };
   using Operation = std::tuple<Op, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::string>;
 
-  /// Adds node `i` of the old graph to the new one, or reuses an equal node; returns its new number.
+  /// Adds node `i` of the graph that is being simplified to the new graph, or reuses an equal node. Returns the node's
+  /// number in the new graph.
   std::uint32_t map_node(std::uint32_t i) {
     GraphNode node = from_.nodes[i];
     if (node.distance != 0) return add_node(std::move(node));

@@ -78,7 +78,8 @@ OpCounts count_ops(const Graph& graph);
 /// Returns the number of operations that functional units execute: all except inputs, constants and kBits.
 std::uint32_t count_executed_ops(const Graph& graph);
 
-/// Returns text about a graph: one line for each operation in it with its count, then one for each load and store.
+/// Returns a summary of a graph: one line for each kind of operation with its count, then one line for each load and
+/// store.
 std::string operation_summary(const Graph& graph);
 /// Returns the text of a graph, one line for each node.
 std::string node_listing(const Graph& graph);

@@ -107,7 +107,7 @@ struct Texels<float> {
     textures = static_cast<const traces::Texture*>(all);
     log = accesses;
   }
-  /// Loads the four texels of a bilinear footprint. Two of its opposite corners are given, each as y << 16 | x.
+  /// Loads the four texels of a bilinear footprint. `corner0` and `corner1` are opposite corners, each as y << 16 | x.
   FootprintRecord<float> load(std::uint32_t texture, std::uint32_t corner0, std::uint32_t corner1) const {
     const std::uint32_t x0 = corner0 & 0xffffU, y0 = corner0 >> 16, x1 = corner1 & 0xffffU, y1 = corner1 >> 16;
     if (log) log->push_back(traces::Access::texels(texture, x0, y0, x1, y1));

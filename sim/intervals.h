@@ -37,7 +37,7 @@ class Intervals {
 
   Time interval_length() const { return length_; }
   Time end() const { return end_; }
-  /// Returns the number of intervals. The last interval may be shorter than the others.
+  /// Returns the number of recorded intervals. The last interval may be shorter than the others.
   std::size_t size() const { return rows_; }
   std::size_t row_width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t interval) const { return {values_.get() + interval * width_, width_}; }

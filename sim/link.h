@@ -75,9 +75,9 @@ class Link {
   /// Returns the time from a push until the item is visible, without rounding to the consumer's clock edge.
   Time latency() const { return latency_; }
 
-  /// Returns the earliest known time at which an item can be pushed; kNever while the link is full.
+  /// Returns the earliest known time at which an item can be pushed into the link; kNever while the link is full.
   Time push_at() const { return push_at_; }
-  /// Returns the earliest known time at which an item can be popped; kNever while the link is empty.
+  /// Returns the earliest known time at which an item can be popped from the link; kNever while the link is empty.
   Time pop_at() const { return *pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }

@@ -24,7 +24,7 @@ class BankLanes {
   std::uint32_t banks_with_value_at_most(std::uint64_t limit) const {
     return banks_with_value_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns a mask of the banks whose numbers in this object and in `other` are both at most `limit`.
+  /// Returns a mask of the banks whose numbers in this array and in the array `other` are both at most `limit`.
   std::uint32_t banks_with_both_at_most(const BankLanes& other, std::uint64_t limit) const {
     return banks_with_value_at_most(limit,
                                     [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
@@ -33,12 +33,12 @@ class BankLanes {
   std::uint64_t min_of(std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Takes, for each bank in the mask `bank_mask`, the larger of its numbers in this object and in `other`. Returns the
-  /// minimum over these banks.
+  /// Takes, for each bank in the mask `bank_mask`, the larger of its numbers in this array and in the array `other`.
+  /// Returns the minimum over these banks.
   std::uint64_t min_of_max(const BankLanes& other, std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the bitwise OR of the numbers stored for the banks in the mask `bank_mask`.
+  /// Returns the bitwise OR of the numbers in this array for the banks in the mask `bank_mask`.
   std::uint64_t bitwise_or_of(std::uint32_t bank_mask) const {
     Four any{};
     for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & bank_mask) == bit); });
@@ -54,7 +54,8 @@ class BankLanes {
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
   }
-  /// Replaces the number n of every bank by f(n). The loop is written so that the compiler can vectorise it.
+  /// Replaces the number n of every bank in this array by f(n). The loop is written so that the compiler can vectorise
+  /// it.
   template <class F>
   void transform_all(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);

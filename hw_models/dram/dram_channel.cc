@@ -151,8 +151,8 @@ DramChannel::CycleReason DramChannel::wait_reason() const {
   return device_.wait_reason(next_.command_kind(), next_.bank(), writing_, next_.start_cycle());
 }
 
-/// True if the DRAM channel serves its write queue before its read queue. `read_due`: cycle at which the oldest read
-/// exceeds the age limit. `write_due`: the same for the oldest write.
+/// True if the DRAM channel serves its write queue before its read queue. `read_due` and `write_due`: cycles at which
+/// the oldest read and the oldest write exceed the age limit.
 inline bool DramChannel::serves_writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
   if (read_due <= now && write_due <= now) return write_due < read_due;

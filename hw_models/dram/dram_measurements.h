@@ -101,7 +101,7 @@ DramRun run_dram_requests(DramConfig config, std::span<const DramRequest> reques
 
 /// A measured value of a DRAM channel and its prediction by a closed formula.
 struct DramMeasurement {
-  /// How closely a measured and a predicted value must agree.
+  /// How closely a measured value and its prediction by a closed formula must agree.
   enum class Agreement : std::uint8_t {
     kExactly,
     kClosely,  ///< the measured value is within 2 % of the prediction

@@ -17,7 +17,7 @@ class ScheduledCommand {
  public:
   using Cycle = CommandCalendar::Cycle;
 
-  /// Constructs the value for no command, which sorts after every command.
+  /// Constructs the encoding of "no command", which sorts after every command.
   ScheduledCommand() = default;
   /// Constructs a command that starts at cycle `at` for the request at position `position` of its DramQueue.
   ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
@@ -32,7 +32,7 @@ class ScheduledCommand {
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
-  /// Bit field of a number that encodes a command: `bits` bits from bit `first` upwards.
+  /// A bit field of the number that encodes a DRAM command: `bits` bits from bit `first` upwards.
   struct BitField {
     std::uint32_t first, bits;
     constexpr std::uint64_t extract_from(std::uint64_t key) const {

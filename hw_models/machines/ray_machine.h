@@ -123,7 +123,7 @@ class RayMachine {
   /// finished.
   using Watch = std::function<bool(const RayProgress& so_far)>;
 
-  /// `parents`: parent node of each node of the image's BVH. All arguments must outlive this object.
+  /// `parents`: parent node of each node of the image's BVH. All arguments must outlive the machine.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
              std::span<const traces::Ray> rays, Watch watch);
   RayMachine(const RayMachine&) = delete;

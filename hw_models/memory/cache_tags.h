@@ -27,7 +27,7 @@ namespace hw {
 class CacheTags {
  public:
   static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
-  /// Result of filling a line: its slot and, if `evicts`, the line that was evicted.
+  /// Result of filling a cache line: its slot and, if `evicts`, the line that was evicted.
   struct Filled {
     std::size_t slot = 0;
     bool evicts = false;
@@ -53,7 +53,7 @@ class CacheTags {
   /// Returns the number of slots, including unused ones: the ways of a set are rounded up to a multiple of four.
   std::size_t slot_count() const { return sets_.size() / 2; }
 
-  /// True if the line is cached. A hit marks the line as recently used.
+  /// True if the cache holds the line. A hit marks the line as recently used.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
     std::uint32_t* const here = tags_of(set);
@@ -72,7 +72,7 @@ class CacheTags {
     return slot_of(set, way);
   }
 
-  /// True if the line is cached. In contrast to probe(), the line is not marked as used.
+  /// True if the cache holds the line. In contrast to probe(), the line is not marked as used.
   bool has_line(Addr line) const { return find_way(set_of(line), tag_of(line)) != kNoWay; }
 
   /// Prefetches the tags that a probe for the line reads into the host's cache. The simulated cache does not change.

@@ -81,12 +81,12 @@ class L1Cache {
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
   /// Prefetches the tags that a probe for the line reads into the host's cache. The simulated cache does not change.
   void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
-  /// Returns the outstanding miss of a line, or null if the line is not requested.
+  /// Returns the outstanding miss of a cache line, or null if the line is not requested.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
 
   /// Returns the number of misses of the first-level cache whose memory requests have not been sent yet.
   std::size_t unsent_requests() const { return unsent_.size(); }
-  /// Sends the oldest unsent memory request, if there is one and the link has room.
+  /// Sends the oldest unsent request of the first-level cache to memory, if there is one and the link has room.
   void send_request(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;

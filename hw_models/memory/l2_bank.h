@@ -26,7 +26,7 @@ namespace hw {
 class L2Store {
  public:
   enum class Found : std::uint8_t { kNot, kPart, kAll };
-  /// An evicted line. `sectors`: its dirty sectors, which must be written to memory.
+  /// A line evicted from the L2. `sectors`: its dirty sectors, which must be written to memory.
   struct Victim {
     Addr line = 0;
     SectorMask sectors = 0;
@@ -35,8 +35,8 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
-  /// Looks up a line. Returns kNot if it is not cached, kPart if some of the wanted sectors are invalid, kAll if all
-  /// are valid.
+  /// Looks up a line in the L2 bank. Returns kNot if the line is not cached, kPart if some of the wanted sectors are
+  /// invalid, kAll if all are valid.
   Found look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
@@ -191,8 +191,8 @@ class L2Bank {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Puts a line into the bank without taking simulated time. Dirty sectors of the evicted line are lost. Returns true
-  /// if the line was already cached.
+  /// Puts a line into the L2 bank without taking simulated time. Dirty sectors of the evicted line are lost. Returns
+  /// true if the line was already cached.
   bool warm_line(Addr line) {
     if (store_.look_up(line, 0) != L2Store::Found::kNot) return true;
     store_.allocate(line, kWholeLine, 0);

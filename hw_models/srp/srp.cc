@@ -249,8 +249,8 @@ bool Srp::ensure_loads_in_time(sim::Time now) {
   return true;
 }
 
-/// Requests the cache lines of the item that enters the loop now, if one does. Returns false if the array stalls
-/// because no MSHR is free.
+/// Requests the cache lines of the item that enters the array loop now, if an item enters. Returns false if the array
+/// stalls because no MSHR is free.
 bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = loop_.array_time(now);
   if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;

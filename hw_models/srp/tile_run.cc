@@ -70,7 +70,7 @@ void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk_items
   collect_batches();
 }
 
-/// Fills `batches_`: the batches of every launch, launch by launch, in graph order.
+/// Fills `batches_` with the batches of every launch of the tile, launch by launch, in graph order.
 void TileRun::collect_batches() {
   std::uint32_t next = 0;
   for (Progress& p : progress_) {

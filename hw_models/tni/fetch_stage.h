@@ -47,7 +47,8 @@ struct FetchStats {
 /// waiting slot keeps its place in the input buffer.
 class FetchStage {
  public:
-  /// The resource for which a slot waits: its line, an MSHR, or room in the RAU table. kNothing: it does not wait.
+  /// The resource for which a slot waits: its line, an MSHR, or room in the RAU table. kNothing: the slot does not
+  /// wait.
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
   /// Returns the cycle reason of a unit whose slots wait for the resource `wait`; `otherwise` if `wait` is kNothing.
   template <class CycleReason>

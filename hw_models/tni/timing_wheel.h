@@ -16,7 +16,7 @@ struct Cycle {
   std::uint64_t number;
 
   Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.edge_after(at, 1)), number(clock.cycles(at)) {}
-  /// Advances this object to the cycle of a later clock edge, `at`.
+  /// Advances this clock cycle to the cycle of a later clock edge, `at`.
   void advance_to(sim::Time at, const sim::Clock& clock) {
     number += at == next ? 1 : clock.cycles(at - now);
     now = at;

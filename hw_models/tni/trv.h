@@ -202,7 +202,8 @@ class Trv {
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass of a node visit. Returns false if the visit needs another pass, for the other child.
+  /// Ends a pass of a node visit, which tests the box of one child. Returns false if the visit needs another pass, for
+  /// the other child.
   bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);

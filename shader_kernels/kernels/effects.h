@@ -32,7 +32,7 @@ struct UnitPoint {
 };
 
 /// Returns the random point in the unit square for one ray of an effect. `hit_direction`: direction of the ray that hit
-/// the surface. This direction is the hash key, because its bits are the same for any tile size, order and tracer.
+/// the surface. This direction is the hash key, because its bits do not depend on tile size, order and tracer.
 template <class V>
 UnitPoint<V> random_point_in_square(const Vec3<V>& hit_direction, const RandomPointUniforms<V>& draw) {
   const I<V> key = (bits_of(hit_direction.x) * 0x9e3779b1U) ^ (bits_of(hit_direction.y) * 0x85ebca77U) ^
@@ -210,7 +210,7 @@ using CastOcclusionShare = CastAmbient<true>;
 // a checkerboard, emits effect rays. The other pixels average the visible fraction of a light over the pixels around
 // them.
 
-/// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays.
+/// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays (effects at only some pixels).
 template <class V, bool kCheckerboard>
 I<V> effect_rays_skipped(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;

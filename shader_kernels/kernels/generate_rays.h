@@ -148,7 +148,7 @@ struct ListSamples {
   }
 };
 
-/// Generates the primary rays of listed samples. The rays equal those of generate_rays.
+/// Generates the primary rays of the samples in a list. The rays equal those of generate_rays.
 struct GenerateListedRays {
   static constexpr std::string_view kName = "generate_listed_rays";
   static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
@@ -303,7 +303,7 @@ struct GenerateCentredRays {
   }
 };
 
-/// Generates the primary rays of the samples that reconstruct does not shade, three items per pixel.
+/// Generates the primary rays of the three samples per pixel that reconstruct does not shade, one item per sample.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";
   static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";

@@ -40,7 +40,7 @@ struct AverageColour {
   }
 };
 
-/// Averages the samples of a pixel, as average_colour does, for samples stored row by row of the tile.
+/// Averages the samples of a pixel, as average_colour does, where the tile stores its samples row by row.
 struct AverageSamples {
   static constexpr std::string_view kName = "average_samples";
   static constexpr std::string_view kMeaning = "sample of a grid -> mean of its pixel's samples, clamped, linear light";

@@ -231,8 +231,8 @@ struct RecordSurface {
   }
 };
 
-/// Uniforms of record_secondary for one bounce. `way` is a hash key of the bounce: a sample that hits the same objects
-/// in another order gets another hash.
+/// Uniforms of kernel record_secondary for one bounce. `way` is a hash key of the bounce: a sample that hits the same
+/// objects in another order gets another hash.
 template <class V>
 struct BounceUniforms {
   I<V> way;

@@ -66,8 +66,8 @@ TexelPair<V> find_texel_pair(const F<V>& coordinate, const AxisRecord<V>& axis) 
           to_int(select(axis.last < second, axis.last - axis.below, second)), texel - first};
 }
 
-/// Fetches the four texels around (u, v). Texel (0, 0) is at the top left, where v is 0. A texture has two entries in
-/// `axes`.
+/// Fetches the four texels around (u, v) from a texture. Texel (0, 0) is at the top left, where v is 0. A texture has
+/// two entries in `axes`, for u and v.
 template <class V>
 TexelSample<V> sample_texture(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture,
                               const F<V>& u, const F<V>& v) {

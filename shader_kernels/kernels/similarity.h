@@ -213,7 +213,7 @@ struct CheckSimilarity {
 };
 
 /// Interpolates the geometry record of a sample, which becomes a reference for checks along the other axis. Attributes
-/// that the checks require to be equal are copied.
+/// are copied if the checks require them to be equal.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {unit_vector(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
@@ -260,8 +260,8 @@ struct InterpolateSample {
   }
 };
 
-/// True if two texture coordinates are on opposite sides of a texture's border: the fraction of one is below the
-/// threshold, that of the other above 1 minus the threshold.
+/// True if two texture coordinates are on opposite sides of a texture's border: the fraction of one coordinate is below
+/// the threshold, that of the other is above 1 minus the threshold.
 template <class V>
 M<V> crosses_texture_border(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   const F<V> x = a - floor(a);
@@ -387,8 +387,9 @@ inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 
-/// One pass of post-correction (Kim et al. 2016, section 4). It lists an interpolated sample, to be traced, if a traced
-/// neighbour has another identity. The indices of samples in a line are `step` apart, those of lines `line_step`.
+/// One pass of post-correction (Kim et al. 2016, section 4). An interpolated sample is listed, to be traced, if a
+/// traced neighbour has another identity. Indices differ by `step` between samples of a line, and by `line_step`
+/// between lines.
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";

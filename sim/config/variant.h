@@ -12,7 +12,8 @@ namespace sim {
 /// configuration are written and hashed again.
 class ConfigVariant {
  public:
-  /// `base` and `variant` must be bound to structs of the same type with equal values, and must outlive this object.
+  /// `base` and `variant` must be bound to structs of the same type with equal values, and must outlive the
+  /// ConfigVariant.
   ConfigVariant(const ConfigNode& base, ConfigNode& variant);
 
   /// Resets the variant to the values and origins of the base configuration.

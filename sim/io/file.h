@@ -67,7 +67,7 @@ class NewFolder {
   std::error_code make();
   /// Returns the path of the temporary folder; empty before make().
   const std::filesystem::path& path() const { return temporary_; }
-  /// Removes all stale temporary folders in the parent folder, also those of other targets.
+  /// Removes all stale temporary folders in the parent folder, including those for other target folders.
   void remove_stale() const;
 
  private:

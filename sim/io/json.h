@@ -213,7 +213,7 @@ class Json {
 
   /// Appends an element to a JSON array. Null becomes an array first.
   void push_back(Json element);
-  /// Copies all keys and values of another JSON object into this object. Null becomes an object first.
+  /// Copies all keys and values of another JSON object into this JSON object. Null becomes an object first.
   void update(const Json& other);
   /// Removes a key from a JSON object, if it exists. The time is linear in the number of keys.
   void erase(std::string_view key);

@@ -90,7 +90,7 @@ struct EnergyByKind {
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
   /// Energy of each event in each block: number of events times energy per event. Standby events of devices belong to
-  /// leakage; the others sum to the dynamic energy.
+  /// leakage; all other events sum to the dynamic energy.
   std::map<std::string, std::map<std::string, Band>> events;
   EnergyByKind kinds;
   Band total_pj;

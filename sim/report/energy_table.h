@@ -41,11 +41,12 @@ class EnergyCurve {
     double bytes;
     const Band* pj;
   };
-  /// Points of the curve by increasing size; a single point of size 0 if the energy does not depend on the size.
+  /// Points of the energy curve by increasing size of the memory array; a single point of size 0 if the energy does not
+  /// depend on the size.
   std::vector<Point> points_;
 };
 
-/// Looks up the energy of events in the energy table `events`, which must outlive this object and keep its entries.
+/// Looks up the energy of events in the energy table `events`, which must outlive the EnergyTable and keep its entries.
 class EnergyTable {
  public:
   /// Throws InputError for an event with an invalid size ("@16KiB"), and for an event both with and without a size.

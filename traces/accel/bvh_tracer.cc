@@ -125,7 +125,7 @@ class Walk {
     return record.root;
   }
 
-  /// Tests both children of a node and returns the link to visit next.
+  /// Tests the boxes of both children of a node and returns the link to visit next.
   std::uint32_t visit_node(std::uint32_t index) {
     const NodeRecord& node = image_.nodes[index];
     unsigned hits = 0;

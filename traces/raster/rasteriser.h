@@ -11,8 +11,8 @@
 
 namespace traces {
 
-/// Result of rasterising the samples of a wave: for each sample, the nearest triangle and counts of work. Storage is
-/// reused.
+/// Result of rasterising the samples of a wave: for each sample, the nearest triangle and counts of work. The storage
+/// is reused from wave to wave.
 struct Coverage {
   /// The nearest triangle at a sample of a rasterised wave.
   struct NearestTriangle {

@@ -111,7 +111,7 @@ glm::dvec3 any_perpendicular(const glm::dvec3& normal) {
   return glm::normalize(other - normal * glm::dot(normal, other));
 }
 
-/// How texture coordinates run over a triangle.
+/// How texture coordinates run over a triangle, for tangents.
 struct Frame {
   glm::dvec3 along_u{0};       ///< direction of increasing u, a unit vector
   bool is_degenerate = false;  ///< two corners have the same position

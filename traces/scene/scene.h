@@ -16,8 +16,8 @@ namespace traces {
 
 inline constexpr std::uint32_t kNoTexture = 0xffffffffU;
 
-/// How a mesh deforms: by a skin, morph targets or both. The mesh's own arrays have the current pose; these have its
-/// rest pose, in the same order.
+/// How a mesh deforms: by a skin, morph targets or both. The mesh's own arrays have the current pose; the arrays here
+/// have its rest pose, in the same order.
 struct Deformation {
   std::vector<glm::vec3> positions, normals;             ///< rest positions and normals; `normals` may be empty
   std::vector<glm::vec4> tangents;                       ///< rest tangents, or empty

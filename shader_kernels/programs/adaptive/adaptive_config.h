@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Where a tile's halo samples come from: memory, to which the neighbouring tile writes them, or tracing them again.
+/// Where a tile gets its halo samples from: memory, to which the neighbouring tile writes them, or tracing them again.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 

@@ -198,7 +198,7 @@ void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const 
   call_with_branch_count(launch);
 }
 
-/// Writes pixels with the colour of their own shaded sample, which is all that a filter with radius 0 does.
+/// Writes pixels with the colour of their own shaded sample. A filter with radius 0 does only this.
 ReconstructProgram::Node ReconstructProgram::copy_shaded_colours(Tile& tile) const {
   AverageSamples::Ports<float> ports;
   ports.samples = ports.inverse_samples = 1;
@@ -393,7 +393,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = pixel_mark(tile, pixel);
 }
 
-/// Returns the debug mark of a pixel, from the same comparisons as the filters.
+/// Returns the debug mark of a pixel, from the comparisons that the filters of reconstruct make.
 SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
   const DivMod<float> at = row_and_column<float>(static_cast<float>(pixel), of);

@@ -71,8 +71,8 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Returns the number of records of one layer: the distance from a sample's record to its record in the next layer.
   std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
-  /// Return bytes per pixel in all layers: records and colours of the shaded sample; records of the other samples;
-  /// records of all samples.
+  /// Return bytes per pixel in all layers of light: records and colours of the shaded sample; records of the samples
+  /// that are not shaded; records of all samples.
   std::uint32_t shaded_sample_bytes() const;
   std::uint32_t unshaded_sample_bytes() const;
   std::uint32_t attribute_bytes() const;

@@ -417,8 +417,8 @@ SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile,
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighing);
 }
 
-/// Completes the listed pixels by adding the samples of their active sub-pixels. The first stored colours belong to the
-/// active sub-pixel at index `first_index` of the list.
+/// Completes the listed pixels by adding the samples of their active sub-pixels. `first_index`: index in the list of
+/// the active sub-pixel to which the first stored colours belong.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
                                                          Node weighing) const {

@@ -18,8 +18,7 @@
 namespace kernels {
 
 /// Colours and states of all sub-pixels of a picture, kept between rounds of propagation. A round reads the results of
-/// earlier rounds. The results of the round itself are collected, and apply_round_results() applies them after all
-/// tiles of the round.
+/// earlier rounds. apply_round_results() applies a round's own results after all tiles of the round.
 class PropagationState {
  public:
   /// `tiles` is the number of tiles of the picture. All sub-pixels are inactive at first.

@@ -36,7 +36,7 @@ template <> struct RecordOf<traces::VertexRecord> { using Type = VertexFields<fl
 template <> struct RecordOf<traces::MaterialDetailRecord> { using Type = DetailFields<float>; };
 // clang-format on
 
-/// A variable whose address identifies the record type.
+/// A variable whose address identifies the type `Record` of array elements.
 template <class Record>
 inline constexpr char kRecordType = 0;
 

@@ -38,7 +38,7 @@ struct Sampling {
   std::uint32_t tile_side = 0;  ///< length of a tile's side in samples
   bool has_rates = false;       ///< the block sides in `blocks` may differ from tile to tile
 
-  /// Adds the counts of a tile or frame, except those kept per tile.
+  /// Adds the counts of a tile or frame, except the counts that are kept per tile.
   void add(const Sampling& other);
 };
 

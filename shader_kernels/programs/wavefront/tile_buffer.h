@@ -101,7 +101,7 @@ struct PixelWork {
   std::uint32_t rays = 0, steps = 0, tests = 0;
 };
 
-/// Data of a tile in progress that only the host needs; the modelled GPU does not have them.
+/// Data of a tile in progress that only the host needs; the modelled GPU does not have these data.
 struct TileScratch {
   std::vector<PixelWork> pixel_work;          ///< traversal work of each sample's rays, if it is counted
   std::vector<std::uint32_t> record_writers;  ///< nodes of the work graph that write records of samples

@@ -45,7 +45,8 @@ class Wavefront {
   /// per item. `lanes` and `padding` are those of TileGraph::launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained = {}, std::uint32_t lanes = 0,
            std::uint32_t padding = 0);
-  /// Interpolates the surfaces of samples that passed launch `checked`, and adds local light with the known shadows.
+  /// Interpolates the surfaces of samples that passed the check `checked` (a launch), and adds local light with the
+  /// known shadows.
   template <bool kAlongY>
   void shade_interpolated(const LineUniforms<float>& line, std::uint32_t items, std::uint32_t lanes, Node checked);
   void finish();

@@ -87,7 +87,7 @@ tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t coun
   return accessor;
 }
 
-/// Appends bytes to the model as a buffer with a view and an accessor. Returns the accessor's index.
+/// Appends bytes to the glTF model as a buffer with a view and an accessor. Returns the accessor's index.
 int add_accessor(tinygltf::Model& model, std::vector<unsigned char> bytes, tinygltf::Accessor accessor) {
   tinygltf::BufferView view;
   view.buffer = static_cast<int>(model.buffers.size());

@@ -49,7 +49,7 @@ glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what);
 
-/// Returns a unit quaternion from numbers x, y, z, w. Throws InputError if it is zero.
+/// Returns a unit quaternion from numbers x, y, z, w. Throws InputError if all are zero.
 glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
 
 /// Returns `matrix` with its last row replaced by 0, 0, 0, 1, as glTF demands.

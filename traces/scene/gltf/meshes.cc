@@ -107,7 +107,7 @@ std::vector<std::array<std::uint32_t, 3>> assemble_triangles(const std::vector<s
   return triangles;
 }
 
-/// Returns the indices of a primitive's vertices, in the order in which they form triangles.
+/// Returns the indices of a glTF primitive's vertices, in the order in which they form triangles.
 std::vector<std::uint32_t> read_vertex_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
   std::vector<std::uint32_t> order;
   if (primitive.indices < 0) {

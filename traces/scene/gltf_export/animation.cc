@@ -69,8 +69,8 @@ void begin_at_zero(Track& track) {
   track.values.insert(track.values.begin(), key.begin(), key.end());
 }
 
-/// Makes the key times of a track distinct. Of keys at the same time, the first moves to just before that time, the
-/// last stays, and the others are removed.
+/// Makes the key times of an animation track distinct. Of keys at the same time, the first moves to just before that
+/// time, the last stays, and all between are removed.
 void separate_keys(Track& track) {
   const std::size_t row = track.values.size() / track.times.size();
   std::vector<float> times, values;

@@ -66,7 +66,7 @@ struct NodeMap {
 };
 
 /// Writes Scene::nodes. A node with both a matrix and a transform, or with a matrix that glTF does not allow, becomes a
-/// chain of nodes; the map refers to the innermost.
+/// chain of nodes. The returned map refers to the innermost node.
 NodeMap write_nodes(const Scene& scene, Document& out);
 
 /// Writes Scene::instances. Instances of one node become primitives of one glTF mesh. Skinned meshes get root nodes of

@@ -17,7 +17,7 @@ inline constexpr std::array<std::uint32_t, kPieces> kInSet = {8, 2, 2,
 /// wide; knights face -z.
 Mesh make_piece(Piece piece, const Detail& detail);
 
-/// Makes a knight without its foot.
+/// Makes a chess knight without its foot.
 Mesh make_horse(const Detail& detail);
 
 }  // namespace traces::chess

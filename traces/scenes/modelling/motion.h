@@ -26,7 +26,7 @@ void add_translation_track(Scene& scene, std::uint32_t node, std::span<const Key
                            Track::Interpolation interpolation = Track::Interpolation::kLinear);
 void add_rotation_track(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys);
 
-/// Position and target of a camera at a time.
+/// Position and target of a camera at one time of its path.
 struct ViewKey {
   float seconds;
   glm::vec3 eye, target;
