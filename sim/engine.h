@@ -136,7 +136,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   }
 }
 
-/// The units of one clock, as indices into the wake-up table.
+/// The units of one clock, as indices into the engine's wake-up table.
 struct UnitsOfClock {
   Clock clock;
   std::vector<std::size_t> units;

@@ -61,7 +61,7 @@ class Machine {
   UnitId unit(Declaration declaration);
 
   /// Declares a link from unit `from` to unit `to`, with a latency in cycles of `from`. `at_once`: maximum items that
-  /// `from` pushes per tick; needed for links to another partition that are not kByOwner.
+  /// `from` pushes per tick; needed for links to another partition, except those with Lookahead::kByOwner.
   template <class T>
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
@@ -138,7 +138,7 @@ class Machine {
   void start();
   WakeupTable& wakeup_table() { return wakeups_; }
   Partitions& partitions() { return partitions_; }
-  /// Returns the shortest latency of any link between partitions that is not kByOwner.
+  /// Returns the shortest latency of any link between partitions, except links with Lookahead::kByOwner.
   Time min_lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
   /// Returns the next interval boundary, where all units must be sampled; kNever if no intervals are recorded.
@@ -233,7 +233,7 @@ class Machine {
   void assign_wakeup_slots();
   WakeupTable::Groups assign_group_slots(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
-  /// Writes the values of all reports to `row`, a row of the interval record.
+  /// Writes the values of all reports to `row`, a row of the recorded intervals.
   void write_counter_values(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;

@@ -67,7 +67,7 @@ struct RunLimits {
   Time end;   ///< limit of all partitions; no partition may run beyond it
 };
 
-/// All partitions of a machine.
+/// All partitions of a machine: the inner one and the outer ones.
 struct Partitions {
   std::vector<Partition> outer;
   Partition inner;

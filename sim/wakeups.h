@@ -36,12 +36,12 @@ class WakeupTable {
   static constexpr std::size_t round_up_to_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
   WakeupTable() = default;
-  /// Creates a table in which all units wake at time 0.
+  /// Creates a wake-up table in which all units wake at time 0.
   explicit WakeupTable(std::size_t units) { reset(units); }
   WakeupTable(const WakeupTable&) = delete;
   WakeupTable& operator=(const WakeupTable&) = delete;
 
-  /// Resizes the table to `units` units. All of them wake at time `first`.
+  /// Resizes the wake-up table to `units` units. All of them wake at time `first`.
   void reset(std::size_t units, Time first = 0) {
     groups_.assign(round_up_to_groups(units) / kGroup, Eight{});
     for (Eight& group : groups_) group.fill(kNever);
@@ -127,7 +127,7 @@ class WakeupTable {
       due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
     return due;
   }
-  /// Recomputes the minimum of each group. Returns the minimum of all groups.
+  /// Recomputes the minimum of each group of wake-up times. Returns the minimum of all groups.
   static Time refresh_group_minima(const Time* times, std::span<Time> group_minima) {
     Time first = group_minima.front() = min_of_eight(times);
     for (std::size_t g = 1; g < group_minima.size(); ++g) {

@@ -44,7 +44,7 @@ class BankLanes {
     for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & bank_mask) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
-  /// Raises the number of each bank in the mask `bank_mask` to at least `minimum`.
+  /// Raises the number of each bank in the mask `bank_mask`, in this array, to at least `minimum`.
   void raise_to_at_least(std::uint32_t bank_mask, std::uint64_t minimum) {
     const Four bound = Four{} + static_cast<std::int64_t>(minimum);
     Four bit{1, 2, 4, 8};

@@ -12,7 +12,7 @@ using enum DramCommand;
 namespace {
 
 std::uint32_t log2_of(std::uint32_t number) { return static_cast<std::uint32_t>(std::countr_zero(number)); }
-/// Returns a mask of banks 0, `stride`, 2 * `stride` and so on below `bank_count`.
+/// Returns a mask of DRAM banks 0, `stride`, 2 * `stride` and so on below `bank_count`.
 std::uint32_t strided_mask(std::uint32_t stride, std::uint32_t bank_count) {
   std::uint32_t mask = 0;
   for (std::uint32_t bank = 0; bank < bank_count; bank += stride) mask |= 1U << bank;

@@ -159,7 +159,8 @@ class CommandCalendar {
   const std::array<std::uint64_t, kKinds> command_bus_;
   const std::uint64_t data_bus_;  ///< mask of the data bus cycles that a line occupies
   Cycle base_ = 0;
-  /// For each kind of command, mask of the start cycles that booked commands block. The pending ACT-2 is not included.
+  /// Position of an ACT-2's bit in the masks `act2_conflicts_`. It must exceed the distance in cycles at which a
+  /// command and a later ACT-2 can conflict.
   std::array<std::uint64_t, kKinds> blocked_{};
   std::uint64_t blocked_data_ = 0;
   Cycle act2_end_ = 0;    ///< first cycle after the last booked ACT-2; 0: none yet
@@ -245,7 +246,7 @@ class DramDevice {
     for (Cycle begin = data; begin <= data + column_span_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
-  /// Returns a mask of the banks of a rank.
+  /// Returns a mask of the banks of a DRAM rank.
   std::uint32_t bank_mask_of_rank(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
   /// Returns a mask of the banks that a per-bank refresh command for `bank` refreshes together.
   std::uint32_t refresh_bank_mask_of(std::uint32_t bank) const { return refresh_set_ << bank; }
@@ -280,7 +281,7 @@ class DramDevice {
   Cycle& earliest_cycle(DramOp op, std::uint32_t bank) { return bank_at_[index_of(op)][bank]; }
   Cycle earliest_cycle(DramOp op, std::uint32_t bank) const { return bank_at_[index_of(op)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
-  /// Returns a mask of the banks in the same bank group as `bank`.
+  /// Returns a mask of the DRAM banks in the same bank group as `bank`.
   std::uint32_t bank_group_mask_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
   template <DramOp kFrom>
   void apply_constraints(std::uint32_t bank, Cycle now);

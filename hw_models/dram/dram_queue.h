@@ -42,9 +42,9 @@ class DramQueue {
   std::uint32_t requested_bank_mask() const { return banks_; }
   /// Returns a mask of the DRAM banks with a queued row hit.
   std::uint32_t hit_bank_mask() const { return hit_banks_; }
-  /// Returns a mask of the queue positions of all requests for the bank.
+  /// Returns a mask of the queue positions of all requests for DRAM bank `bank`.
   std::uint64_t request_position_mask(std::uint32_t bank) const { return waiting_[bank]; }
-  /// Returns a mask of the queue positions of all requests that hit the bank's open row.
+  /// Returns a mask of the queue positions of all requests that hit the open row of DRAM bank `bank`.
   std::uint64_t hit_position_mask(std::uint32_t bank) const { return hits_[bank]; }
 
   /// Returns a mask of the queue positions of all requests for the banks in the mask `bank_mask`.

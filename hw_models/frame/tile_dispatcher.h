@@ -22,7 +22,7 @@ class TileSource {
   /// Returns the work of the next tile, or null at the end of the frame. The work is valid until release_work(work).
   virtual const traces::TileWork* next() = 0;
   virtual void release_work(const traces::TileWork* work) = 0;
-  /// Called when the tile returned by the last next() is dispatched to a core at time `now`.
+  /// Called when the tile that next() returned last is dispatched to a core at time `now`.
   virtual void note_dispatched([[maybe_unused]] sim::Time now) {}
 };
 
@@ -98,7 +98,7 @@ class TileDispatcher {
   };
 
   bool dispatch_tile(sim::Time now);
-  /// True if the next tile is an `after_all` tile and earlier tiles are unfinished.
+  /// True if the next tile must start after all others (`after_all`) and earlier tiles are unfinished.
   bool next_tile_must_wait() const;
   bool has_room(std::size_t core) const;
   void collect_messages(sim::Time now);

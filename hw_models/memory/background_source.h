@@ -85,7 +85,7 @@ class BackgroundSource {
 
   sim::Time tick(sim::Time now);
   void finish(sim::Time end) { activity_.finish(end); }
-  /// True if the source has received its Flush and no read is outstanding.
+  /// True if the background source has received its Flush and no read is outstanding.
   bool idle() const { return stopped_ && outstanding_ == 0; }
 
   const sim::Clock& clock() const { return clock_; }

@@ -239,7 +239,7 @@ bool L2Bank::process_write(sim::Time now) {
   return true;
 }
 
-/// Stores the write at the head of the queue in the cache (write-back).
+/// Stores the write at the head of the L2 bank's queue in the cache (write-back).
 void L2Bank::store_write(sim::Time now) {
   const MemRequest& r = head_.request;
   SectorMask overwritten = 0;

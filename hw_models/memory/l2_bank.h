@@ -43,7 +43,7 @@ class L2Store {
     return (wanted_sectors & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
-  /// Removes a line, which must be cached, and returns its dirty sectors.
+  /// Removes a line, which must be cached, from the L2 bank and returns the line's dirty sectors.
   SectorMask invalidate_line(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.clear_slot(slot);
@@ -68,7 +68,7 @@ class L2Store {
     return victim;
   }
 
-  /// Returns the number of cached lines with at least one dirty sector.
+  /// Returns the number of lines in the L2 bank with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
   /// Marks the next dirty line, in slot order, as clean. Returns it with its sectors to write. Requires a dirty line.
   Victim clean_next_dirty_line() {
@@ -184,7 +184,7 @@ class L2Bank {
 
   sim::Time tick(sim::Time now);
   void finish(sim::Time end);
-  /// True if the bank holds no requests and, if it can be flushed, no dirty lines.
+  /// True if the L2 bank holds no requests and, if it can be flushed, no dirty lines.
   bool idle() const;
 
   const sim::Clock& clock() const { return clock_; }
@@ -199,7 +199,7 @@ class L2Bank {
     return false;
   }
   const L2Store& store() const { return store_; }
-  /// Replaces the bank's cached lines. Must be called before the first cycle.
+  /// Replaces the lines in the L2 bank. Must be called before the first cycle.
   void set_store(const L2Store& store) { store_ = store; }
 
  private:
@@ -245,7 +245,7 @@ class L2Bank {
   bool flush_line(sim::Time now);
   void queue_to_memory(sim::Time now, const MemRequest& request);
   void write_back_victim(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
-  /// True if the request at the head of the queue is blocked until a fill frees an MSHR.
+  /// True if the request at the head of the L2 bank's queue is blocked until a fill frees an MSHR.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
   /// True if the queue to memory has room for `request_count` requests and a dirty victim of every outstanding miss.
   bool has_room_to_memory(std::uint32_t request_count) const {

@@ -27,7 +27,7 @@ class MshrFile {
   bool empty() const { return size_ == 0; }
   bool is_full() const { return size_ == capacity(); }
 
-  /// Returns the payload of an outstanding line, or nullptr if the line is not outstanding.
+  /// Returns the MSHR payload of an outstanding line, or nullptr if the line is not outstanding.
   Payload* find_payload(Addr line) {
     const std::uint32_t i = index_of(line);
     return i == size_ ? nullptr : &payloads_[slots_[i]];
@@ -40,7 +40,7 @@ class MshrFile {
     return payloads_[slots_[size_++]];
   }
 
-  /// Frees the MSHR of a line. The returned payload stays valid until the next release.
+  /// Frees the MSHR of a line. Returns its payload, which stays valid until the next release.
   const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);
     assert(i < size_ && "a line came back without a request");

@@ -156,7 +156,7 @@ HandleEvents(Handlers...) -> HandleEvents<Handlers...>;
 /// An observer that forwards events to several observers.
 class ObserverList final : public Observer {
  public:
-  /// Adds an observer to the list; a null pointer is ignored.
+  /// Adds an observer to which events are forwarded; a null pointer is ignored.
   void add(Observer* observer) {
     if (observer != nullptr) observers_.push_back(observer);
   }

@@ -6,7 +6,7 @@
 
 namespace hw {
 
-/// A batch of rays that a shader core is sending to the T&I unit.
+/// A batch of rays that a shader core is sending to the T&I unit, and its progress.
 struct RayFeed {
   std::uint32_t tile = 0, batch = 0;
   std::uint32_t next = 0;         ///< index of the next ray of the batch to send

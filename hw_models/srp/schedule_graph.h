@@ -61,7 +61,7 @@ class ScheduleGraph {
   void fuse_products(const kernels::Graph& graph);
   bool is_fused_addition(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
-  /// Returns the bytes that one access of a memory operation of this class moves.
+  /// Returns the bytes that one access moves, for a memory operation of class `op_class`.
   std::uint32_t access_bytes(OpClass op_class) const {
     return op_class == OpClass::kCachedRead ? cache_width_ : kPortBytes;
   }

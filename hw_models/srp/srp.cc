@@ -280,7 +280,7 @@ inline void Srp::issue_ready_hits() {
   }
 }
 
-/// Requests the remaining cache lines of a loop item. Returns false if no MSHR is free.
+/// Requests the remaining cache lines of a loop item. Returns false if no MSHR of the data cache is free.
 inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
@@ -317,7 +317,7 @@ bool Srp::load_all_items(sim::Time now) {
   return true;
 }
 
-/// Returns the data cache accesses of an item of the current loop.
+/// Returns the data cache accesses of an item of the loop on the array.
 inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
   const LoopChunk& part = loop_.chunks.chunk_of(item);
   const traces::TileWork& work = tiles_[part.tile].work();

@@ -79,7 +79,7 @@ class TileRun {
     const std::uint32_t map = node(batch).sources;
     return map == traces::WorkNode::kNone ? ray_index : work_->sources[map + ray_index];
   }
-  /// Returns the launch that produces the rays of a batch.
+  /// Returns the launch that produces the rays of batch `batch`.
   std::uint32_t producing_launch(std::uint32_t batch) const { return node(batch).inputs.front().node; }
   /// Returns the batches that a launch produces: batches of rays, and of samples to be rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t launch) const {

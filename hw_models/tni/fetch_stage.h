@@ -168,7 +168,7 @@ class FetchStage {
   const CacheTags& l1_tags() const { return l1_.tags(); }
   void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
 
-  /// True if a prefetch would leave an MSHR free for demand misses.
+  /// True if a prefetch into the unit's L1 would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Prefetches a line into the L1 on behalf of a slot. Returns false if the line is cached or already requested.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
@@ -184,7 +184,7 @@ class FetchStage {
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return l1_.next_send_time(next, out);
   }
-  /// True if a line requested from memory has not arrived.
+  /// True if a line that the unit's L1 has requested from memory has not arrived.
   bool waits_for_memory() const { return l1_.outstanding_misses() != 0; }
 
   FetchStats stats() const {

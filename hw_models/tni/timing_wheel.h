@@ -31,7 +31,7 @@ class TimingWheel {
  public:
   static constexpr std::uint64_t kMostSpan = 64;  ///< upper limit of latencies, which must be less than this number of
                                                   ///< cycles
-  /// One mask of slots for each pipe.
+  /// For each pipe of a unit, a mask of slots.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
   /// `longest_latency`: largest latency, in cycles, that will be passed to schedule_completion(). The wheel has one bin
@@ -60,7 +60,7 @@ class TimingWheel {
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// Returns 1 if any slot completes in the given cycle, else 0.
+  /// Returns 1 if any slot of the unit completes in the given cycle, else 0.
   std::uint64_t completes_in(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
   /// Returns the time of the next completion of any slot after the given cycle; kNever if all pipes are empty.
   sim::Time next_completion(const Cycle& cycle) const {
@@ -88,7 +88,7 @@ void run_once_or_drain(bool drain_all, Step&& step) {
   }
 }
 
-/// Returns a mask that contains only the given slot.
+/// Returns a mask of slots that contains only the given slot.
 constexpr std::uint64_t slot_bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
 constexpr std::uint64_t first_slots_mask(std::uint32_t count) {
   return count == 64 ? ~std::uint64_t{0} : slot_bit(count) - 1;

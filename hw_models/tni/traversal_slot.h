@@ -66,7 +66,7 @@ struct StackStats {
 /// refill the short stack.
 class TraversalSlot {
  public:
-  /// The sub-pipe of a traversal unit that the next step of a ray needs.
+  /// The sub-pipe of a traversal unit that a ray's next step needs.
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
 
   TraversalSlot() = default;
@@ -115,7 +115,7 @@ class TraversalSlot {
   }
   /// Completes the ray's transform into an instance's space. The ray continues in the instance's tree.
   void enter_instance() { go_to_step(next_word_ + 1); }
-  /// Advances to the step after a leaf that has been sent to the intersection unit.
+  /// Advances the ray to the step after a leaf that has been sent to the intersection unit.
   void advance_past_leaf() { go_to_step(next_word_ + 2); }
   void take_answer() { must_pop_ = true; }
 

@@ -19,7 +19,7 @@ struct TreeInMemory {
   /// contains the boxes of both children.
   std::span<const std::array<std::uint32_t, 2>> single_boxes{};
   bool hybrid = false;  ///< child boxes are stored in fixed point
-  /// The children of each node, for prefetching.
+  /// The children of each BVH node, for prefetching.
   std::span<const traces::NodeRecord> links{};
   /// Address and contents of the instance records of a two-level BVH.
   Addr instances = 0;

@@ -92,7 +92,7 @@ struct Weights {
   }
 };
 
-/// How a ray is reflected and refracted at a surface between two media.
+/// How a ray is reflected and refracted at a surface between two media: angles and reflectance.
 template <class V>
 struct Interface {
   F<V> cosine;       ///< cosine of the angle between the incoming ray and the normal

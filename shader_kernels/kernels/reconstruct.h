@@ -252,7 +252,7 @@ struct Reconstruct {
   }
 
  private:
-  /// One shaded sample that the filter reads, with its weight for each of the pixel's four samples.
+  /// One shaded sample that the filter of reconstruct reads, with its weight for each of the pixel's four samples.
   template <class V>
   struct Tap {
     Vec3<V> colour;
@@ -318,7 +318,7 @@ struct Reconstruct {
     return shares;
   }
 
-  /// Returns the shaded sample of the pixel itself, with its filter weights.
+  /// Returns the shaded sample of the filtered pixel itself, with its filter weights.
   template <class V>
   static Tap<V> weigh_own_sample(const Own<V>& own, Ports<V>& io) {
     Tap<V> out{io.colours.load(own.shaded).rgb, {}};
@@ -449,7 +449,7 @@ struct GenerateContrastRays {
   }
 };
 
-/// Averages the four samples of a listed pixel, which are all shaded by now.
+/// Averages the four samples, by now all shaded, of a pixel in a list.
 template <std::uint32_t kBranches>
 struct AverageContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"average_contrasts", "average_contrasts_branch",

@@ -112,7 +112,7 @@ I<V> with_textured_flag(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
-/// Ports of kernels that record the surface of a sample's hit.
+/// Ports of kernels that record the surface that a sample's primary ray hits.
 template <class V, bool kInstanced>
 struct SurfaceHitPorts {
   Local<V, WordRecord> surfaces;

@@ -145,7 +145,7 @@ I<V> texture_number(const TexcoordRecord<V>& uv) {
   }
 }
 
-/// Ports of kernels that apply a texture to listed surfaces; `stream` is the list.
+/// Ports of kernels that apply a texture to the surfaces in a list, `stream`.
 template <class V, MipFilter kMips>
 struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, WordRecord> stream;

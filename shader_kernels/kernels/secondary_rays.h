@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// Ports of kernels that emit secondary rays from listed surfaces; `stream` is the list.
+/// Ports of kernels that emit secondary rays from the surfaces in a list, `stream`.
 template <class V>
 struct SecondaryPorts {
   Local<V, WordRecord> stream;

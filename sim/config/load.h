@@ -59,8 +59,8 @@ class ConfigLoader {
   void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
   void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
   void apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source);
-  /// Makes each group of a bundle (TreeBuilder::bundle) extend its file, once. If several files set the bundle field,
-  /// the outermost one counts.
+  /// Makes each group of a bundle (TreeBuilder::bundle) extend the file that the bundle's value names, once. If several
+  /// files set the bundle field, the outermost one counts.
   void apply_bundle(ConfigNode& group, ConfigNode& node, const YamlNode& value, const Source& source,
                     const std::string& at);
   void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);

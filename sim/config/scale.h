@@ -15,7 +15,7 @@ class BandScale {
  public:
   /// Adds a key and the factor of the values that it covers.
   void add(std::string key, const Band& factor) { factors_[std::move(key)] = factor; }
-  /// Returns the longest key that covers `path`, a path relative to the group; empty if no key does.
+  /// Returns the longest key that covers `path`, a path relative to the configuration group; empty if no key does.
   std::string covering_key(std::string_view path) const;
   /// Multiplies each value of `group` by the factor of its longest covering key. Returns a key that covers no value, or
   /// an empty string if there is none.

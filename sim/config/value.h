@@ -29,7 +29,7 @@ std::string value_text(const ConfigNode& field);
 std::string band_text(const Band& band);
 /// Returns the boolean as which YAML 1.1 parsers read an unquoted word ("off", "on"), or nullopt for other words.
 std::optional<bool> yaml_boolean_of(std::string_view word);
-/// Returns `text` as a YAML scalar in double quotes.
+/// Returns `text` in double quotes, as a YAML scalar.
 std::string double_quoted(std::string_view text);
 /// Returns `key` as a YAML key, quoted where necessary.
 std::string key_text(std::string_view key);

@@ -64,7 +64,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
   }
 
  private:
-  /// A mapping or sequence whose end has not been parsed yet.
+  /// A YAML mapping or sequence whose end has not been parsed yet.
   struct Open {
     Node node;
     YAML::anchor_t anchor;
@@ -95,7 +95,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
     set_anchor(open_.back().anchor, open_.back().node);
     open_.pop_back();
   }
-  /// Adds a node to the innermost open mapping or sequence, or makes it the root.
+  /// Adds a YAML node to the innermost open mapping or sequence, or makes it the root.
   void add_node(const YAML::Mark& mark, const Node& node) {
     if (open_.empty()) {
       root_ = node;

@@ -114,7 +114,7 @@ EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfi
 /// 4. `config` must outlive the formula and keep its entries.
 class LogicArea {
  public:
-  /// Throws InputError if `config` lacks `logic` of the unit, or one of its parts.
+  /// Throws InputError if `config` lacks `logic` (area) of the unit, or one of the unit's parts.
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
   double area_of(BandMember member) const;

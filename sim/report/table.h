@@ -18,9 +18,9 @@ class Table {
  public:
   explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
 
-  /// Adds a row, which may have fewer cells than the header.
+  /// Adds a row to the text table. It may have fewer cells than the header.
   void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  /// Returns the table as text. Each line ends with a line feed and has no trailing blanks.
+  /// Returns the text of the table. Each line ends with a line feed and has no trailing blanks.
   std::string text() const;
 
  private:

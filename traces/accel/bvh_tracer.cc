@@ -43,7 +43,7 @@ class WalkRecorder {
   std::array<std::uint32_t, 4096> buffer_;
 };
 
-/// Replaces WalkRecorder if no walks are recorded; discards all words.
+/// Replaces WalkRecorder if no walks of rays are recorded; discards all words.
 struct NoWalkRecorder {
   void begin_ray() {}
   void make_room() {}
@@ -62,12 +62,12 @@ constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
   return 0x1111U + kBand[in_range] + kBand[hit];
 }
 
-/// An empty type that replaces the ray in world space if the image has one level.
+/// An empty type that replaces the ray in world space for a one-level BVH.
 struct Nothing {
   explicit Nothing(const auto&) {}
 };
 
-/// The traversal of the image by one ray. `kLevels`: the image has two levels.
+/// The traversal of the BVH by one ray. `kLevels`: the BVH has two levels.
 template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 class Walk {
  public:

@@ -71,10 +71,10 @@ struct Query {
     result.t.store(t.data());
     return {(result.inside_mask() & 1U) != 0, t[0], instance, record.source};
   }
-  /// Returns the largest distance at which a hit counts as equal to the best one.
+  /// Returns the largest distance at which a hit counts as equal to the best hit.
   float tie_limit() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
-  /// Makes `hit` the best hit if BvhTracer's rule prefers it. `instance` is 0 in an image of one level.
+  /// Makes `hit` the best hit if BvhTracer's rule prefers it. `instance` is 0 for a one-level BVH.
   void update_best_hit(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
     const Rank offered = rank_of(instance, hit.triangle);
@@ -121,7 +121,7 @@ bool continue_commit(void* stop, double) { return !(*static_cast<const sim::Stop
 
 struct EmbreeTracer::Impl {
   Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
-  /// Adds triangles [first, first + count) of the image to an Embree scene.
+  /// Adds triangles [first, first + count) of the memory image to an Embree scene.
   void attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const;
   void attach_instances();
   Hit find_nearest(const Ray& ray) const;

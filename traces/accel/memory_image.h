@@ -74,9 +74,9 @@ static_assert(sizeof(TriangleRecord) == 48);
 
 /// Shading attributes of a triangle, 64 bytes, read through the SRP's data cache; same index as the triangle record.
 struct AttributeRecord {
-  /// Shading normals in world space, or in the mesh's space in two levels. With mip maps the length of a normal is the
-  /// texture density of the triangle, kLeastDensity to kMostDensity: the square root of its area in texture coordinates
-  /// divided by its area in space. Otherwise normals are unit vectors.
+  /// Shading normals in world space or, for a two-level BVH, in the mesh's space. With mip maps the length of a normal
+  /// is the texture density of the triangle, kLeastDensity to kMostDensity: the square root of its area in texture
+  /// coordinates divided by its area in space. Otherwise normals are unit vectors.
   glm::vec3 normal[3];
   glm::vec2 uv[3];
   std::uint32_t material;
@@ -248,7 +248,8 @@ ImageCounts counts_of(const MemoryImage& image);
 /// Computes the addresses of all arrays of an image. The arrays follow each other; each begins on a new memory line.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
-/// Returns the parent of each inner node; a root is its own parent. In two levels, the parents of all instances follow.
+/// Returns the parent of each inner node of the BVH; a root is its own parent. For a two-level BVH, the parents of all
+/// instances follow.
 std::vector<std::uint32_t> parent_indices(const MemoryImage& image);
 
 }  // namespace traces

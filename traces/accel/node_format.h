@@ -60,7 +60,7 @@ class BoxGrid {
   /// bounds.
   float plane_below(float x, int axis) const;
   float plane_above(float x, int axis) const;
-  /// Returns the coordinate of plane `p` of the grid.
+  /// Returns the coordinate of grid plane `p`.
   double plane_position(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
 
   const glm::vec3& lower_corner() const { return lower_; }

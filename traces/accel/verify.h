@@ -21,8 +21,8 @@ struct ExactHit {
 /// Tests a ray in double precision against the triangle and instance that `hit` names, which must exist.
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit);
 
-/// Result of testing a ray in double precision against all triangles of the scene. In two levels, instances far from
-/// the ray are skipped.
+/// Result of testing a ray in double precision against all triangles of the scene. In a two-level BVH, instances far
+/// from the ray are skipped.
 struct ExactTrace {
   double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest certain hit
   bool any_possible = false;                                 ///< some hit is certain or uncertain

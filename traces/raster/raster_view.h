@@ -58,7 +58,7 @@ class EdgeFunctions {
   double depth_at(const glm::dvec2& at) const {
     return determinant_ / (edge_value(0, at) + edge_value(1, at) + edge_value(2, at));
   }
-  /// Returns false only if the triangle covers no point of the box.
+  /// A conservative test: returns false only if the triangle covers no point of the box.
   bool may_touch(const PictureBox& box) const;
 
  private:

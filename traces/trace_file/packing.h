@@ -39,8 +39,9 @@ class Unpacker {
   /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if there
   /// is none.
   static std::size_t size_of(std::string_view bytes);
-  /// Unpacks a block. kBitsPadding bytes follow the contents, which are valid until the next call. Throws InputError,
-  /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.
+  /// Unpacks a zstd block of a trace. kBitsPadding bytes follow the contents, which are valid until the next call.
+  /// Throws InputError, without a file name, if the block is damaged or holds more than `most` bytes; nothing is
+  /// allocated in that case.
   std::string_view unpack_block(std::string_view block, std::uint64_t most);
 
  private:

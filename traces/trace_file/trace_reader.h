@@ -80,7 +80,7 @@ class TraceReader {
   static std::string damage_text(const sim::JsonError& error);
   [[noreturn]] void throw_error(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
-  /// Reads a block from the file and unpacks it to at most `most` bytes.
+  /// Reads a block from the trace file and unpacks it to at most `most` bytes.
   std::string read_block(const FileRange& range, std::uint64_t most) const;
   FileRange range_of(const Json& json) const;
   void read_header();

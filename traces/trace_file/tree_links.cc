@@ -57,7 +57,7 @@ class Decoder {
   }
 
  private:
-  /// Begins a tree at a node that no earlier node has as a child.
+  /// Begins a tree of the BVH at a node that no earlier node has as a child.
   void begin_tree(std::uint32_t node) {
     if (node != 0 && !has_levels_) throw sim::InputError("tree: a node has no parent");
     if (node != 0) trees_.push_back(node);

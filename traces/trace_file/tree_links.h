@@ -16,7 +16,7 @@ struct Links {
   friend bool operator==(const Links&, const Links&) = default;
 };
 
-/// Largest depth of a tree in a trace, which is also the number of stack entries per level.
+/// Largest depth of a BVH in a trace, which is also the number of stack entries per level.
 inline constexpr std::uint32_t kMaxTreeDepth = 128;
 
 Links links_of(const MemoryImage& image);

@@ -215,7 +215,7 @@ void BlockTile::trace_failed_samples(const BlockLines& lines, const Verdict& ver
   graph.wait_for_all(written, verdict.node);
 }
 
-/// Counts the results of a check, and marks the checked samples for debug pictures.
+/// Counts the results of a similarity check, and marks the checked samples for debug pictures.
 void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
   const std::uint32_t pitch = frame_.row_pitch();
   const auto own = [&](std::uint32_t sample) -> SampleMark& {
@@ -282,7 +282,7 @@ bool BlockTile::begin_upper_halo_import() {
   return true;
 }
 
-/// Traces the references in the last row of the tile above, and the corner sample.
+/// Traces the reference samples in the last row of the tile above, and the corner sample.
 void BlockTile::trace_references_above() {
   const std::uint32_t columns_above = at.width / above_block_, corner = at.has_left ? 1 : 0;
   trace_lattice(at.has_left ? 0 : above_block_, columns_above + corner, above_block_, 0, columns_above + corner, false);

@@ -64,7 +64,7 @@ struct BlockFrame {
   const std::uint32_t number;
 };
 
-/// The samples that one check examines: samples between references along x, or along y.
+/// The samples that one similarity check examines: samples between references along x, or along y.
 struct BlockLines {
   LineUniforms<float> uniforms{};
   bool along_y = false;
@@ -82,7 +82,7 @@ struct Verdict {
 /// Renders one tile by multirate or undersample, with the steps that both programs share.
 class BlockTile {
  public:
-  /// `block_of(tile)` returns the side in pixels of a tile's blocks in this frame.
+  /// `block_of(tile)` returns the side in pixels of the blocks of tile `tile` in this frame.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
       : BlockTile(frame, frame.tiles.sample_tile(frame.order[tile_index]), tracer, record, result) {
@@ -98,7 +98,7 @@ class BlockTile {
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
   /// Returns the samples of the rows without references. Each of these samples is between two reference rows.
   BlockLines lines_along_y() const;
-  /// Traces the samples that failed a check.
+  /// Traces the samples that failed a similarity check.
   void trace_failed_samples(const BlockLines& lines, const Verdict& verdict);
 
   /// Writes the reference samples of the last column to memory, for the tile on the right.

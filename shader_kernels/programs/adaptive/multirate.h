@@ -22,7 +22,7 @@ class MultirateProgram final : public FrameProgram {
   void commit_tile(const TileResult& tile) override;
 
  private:
-  /// Checks samples, and interpolates the colours of those that pass.
+  /// Checks samples for similarity, and interpolates the colours of those that pass.
   Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;
   template <bool kAlongY, bool kSecondary, bool kTexture>
   Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;

@@ -378,7 +378,7 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 
-/// Writes the samples of a chunk to memory, where they stay until all chunks are traced.
+/// Writes the samples of a chunk of sub-pixels to memory, where they stay until all chunks are traced.
 void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;

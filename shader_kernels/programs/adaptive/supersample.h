@@ -24,13 +24,13 @@ class PropagationState {
   /// `tiles` is the number of tiles of the picture. All sub-pixels are inactive at first.
   PropagationState(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
-  /// Stores the sub-pixels of a tile before the first round.
+  /// Stores the sub-pixels of a tile before the first round of propagation.
   void store_initial_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& all);
   /// Collects sub-pixels that this round of propagation made active in a tile. apply_round_results() applies them.
   void add_activated_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& found);
   void apply_round_results();
 
-  /// True if the last applied round made sub-pixels of the tile active.
+  /// True if the last applied round of propagation made sub-pixels of the tile active.
   bool is_newly_active(std::uint32_t tile) const { return fresh_[tile] != 0; }
   /// Copies the states of a rectangle of sub-pixels at (x, y), and of one more sub-pixel on each side. Sub-pixels
   /// outside the picture are inactive.

@@ -230,7 +230,7 @@ SupersampleProgram::Node SupersampleProgram::read_subpixel_states(Tile& tile, No
   return before;
 }
 
-/// Runs one round of propagation in a tile that has newly active sub-pixels nearby.
+/// Runs one round of propagation in a tile with newly active sub-pixels in it or nearby.
 void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node before) const {
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;

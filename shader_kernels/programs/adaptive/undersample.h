@@ -25,13 +25,13 @@ class PostCorrection {
   struct Scan {
     bool is_along_y = false, is_backward = false;
   };
-  /// An interpolated sample that is to be traced.
+  /// An interpolated sample that a scan of post-correction is to trace.
   struct Suspect {
     std::uint32_t tile = 0;
     std::uint32_t round = 0;  ///< 1 plus the length of the chain of suspects that made this sample suspect
     std::uint32_t x = 0, y = 0;
   };
-  /// Results of tracing a list of suspects, in the order of the list.
+  /// Results of tracing a list of suspects (Suspect), in the order of the list.
   struct Found {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< colours of the traced samples, clamped to [0, 1]
@@ -60,7 +60,7 @@ class PostCorrection {
     end_scan();
     return all_;
   }
-  /// Returns the samples of a tile that the last scan traced.
+  /// Returns the samples of a tile that the last scan of post-correction traced.
   std::span<const Suspect> suspects_of(std::uint32_t tile) const;
 
   glm::vec3 sample_colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }

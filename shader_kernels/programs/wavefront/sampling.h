@@ -19,9 +19,9 @@ struct Sampling {
   std::uint64_t correction = 0;  ///< samples that were traced after they had been interpolated
   std::uint64_t background = 0, traced_background = 0;  ///< background samples among `wanted` and among `traced`
   std::uint64_t checked = 0, passed = 0;  ///< samples between references that were checked, and those that passed
-  /// Number of samples that failed each check; a sample may fail several.
+  /// Number of samples that failed each similarity check; a sample may fail several.
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};
-  /// Number of failed samples, by the first check that a sample failed.
+  /// Number of failed samples, by the first similarity check that a sample failed.
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};
   std::uint64_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 

@@ -146,7 +146,7 @@ std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t ligh
 RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
 RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
 
-/// The type of the kernel that a part of a fused kernel runs.
+/// The type of the kernel that `Part`, a part of a fused kernel, runs.
 template <class Part>
 struct KernelOf {
   using Type = Part;

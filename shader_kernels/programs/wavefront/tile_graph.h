@@ -29,7 +29,7 @@ class StreamBuilder {
   /// Begins the list of memory accesses of the next item of the last added launch. Call only if the launch has
   /// accesses.
   void begin_item_accesses() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
-  /// Records that `item` of the last launch emitted a ray.
+  /// Records that item `item` of the last launch emitted a ray.
   void add_ray_source(std::uint32_t item) { work_.sources.push_back(item); }
   /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per call of add_ray_source()
   /// since the launch.

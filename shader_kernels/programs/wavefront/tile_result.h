@@ -75,7 +75,7 @@ struct TileSummary {
   std::uint64_t kernels = 0;           ///< index in TileSummaries::kernels after the last entry of this tile
 };
 
-/// The summaries of all entries of a frame, in list order.
+/// The summaries of all entries of a frame (mostly tiles), in list order.
 struct TileSummaries {
   std::vector<TileSummary> tiles;
   std::vector<KernelItems> kernels;  ///< item counts of all kernels, one tile after the other

@@ -34,13 +34,13 @@ class WaveTracer {
 
   /// True if the work of each pixel's rays is counted. Programs must then call assign_sample_to_pixel().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
-  /// Records that the sample of a primary ray of the first wave belongs to pixel (x, y).
+  /// Records that a primary ray of the first wave belongs to a sample of pixel (x, y).
   void assign_ray_to_pixel(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
     assign_sample_to_pixel(buffer_.rays.wave.paths[ray].sample, x, y);
   }
   /// Records that a sample belongs to pixel (x, y), for counting its work.
   void assign_sample_to_pixel(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
-  /// Moves the work counted for all pixels to the result.
+  /// Moves the work counted for all pixels to the tile's result.
   void finish();
 
  private:

@@ -28,12 +28,12 @@ inline void set_box(NodeRecord& node, int child, const Bounds& b) {
 /// Builds bounding volume hierarchies with Embree's builder.
 class BvhBuilder {
  public:
-  /// The build polls `stop` and throws sim::Cancelled once it returns true.
+  /// The BVH build polls `stop` and throws sim::Cancelled once `stop` returns true.
   BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
   ~BvhBuilder();
-  /// Builds a tree over triangles. Throws InputError if the tree is too deep.
+  /// Builds a BVH over triangles. Throws InputError if the tree is too deep.
   FlatBvh build_over(std::span<const TriangleRecord> triangles) const;
-  /// Builds a tree over boxes, with one box per leaf. No box may be empty.
+  /// Builds a BVH over boxes, with one box per leaf. No box may be empty.
   FlatBvh build_over(std::span<const Bounds> boxes) const;
 
  private:

@@ -31,7 +31,7 @@ inline std::uint32_t object_id_of(const Instance& instance, std::uint32_t i) {
 
 /// Returns the meshes of all instances with their matrices to world space. Throws InputError for invalid references.
 std::vector<PlacedMesh> placed_instances(const Scene& scene);
-/// Throws InputError if a mesh has invalid references.
+/// Throws InputError if a mesh of the scene has invalid references.
 void check_meshes(const Scene& scene);
 
 /// Appends the triangle records of a mesh. Their `source` numbers begin at `base`.
@@ -43,7 +43,7 @@ std::vector<TriangleRecord> triangle_records(std::span<const PlacedMesh> placed,
 /// records need no memory while the tree is built.
 ShadingRecords shading_records(std::span<const PlacedMesh> placed, const MaterialTables& materials);
 
-/// Throws InputError if there are too many triangles.
+/// Throws InputError if there are more than kMaxTriangles triangles.
 void check_triangle_count(std::size_t triangles);
 
 }  // namespace traces

@@ -24,7 +24,7 @@ Json* find_extension_json(Json& object, const char* name) {
   return extensions == nullptr ? nullptr : find_member(*extensions, name);
 }
 
-/// Calls visit(entry) for each entry of `object[key]`, if that is a list.
+/// Calls visit(entry) for each entry of the JSON list `object[key]`, if it is a list.
 template <class Visit>
 void for_each_entry(Json& object, const char* key, Visit visit) {
   Json* list = find_member(object, key);
@@ -32,7 +32,7 @@ void for_each_entry(Json& object, const char* key, Visit visit) {
   for (Json& entry : *list) visit(entry);
 }
 
-/// Returns `object[key][index]`, or null if there is no such entry.
+/// Returns the JSON value `object[key][index]`, or null if there is no such entry.
 Json* find_entry(Json& object, const char* key, const Json& index) {
   Json* list = find_member(object, key);
   if (list == nullptr || !list->is_array() || !index.is_number_unsigned()) return nullptr;

@@ -266,7 +266,7 @@ void replace_json(Source& source, std::string text) {
   }
 }
 
-/// Throws InputError if a symbolic link leads out of the folder.
+/// Throws InputError if a symbolic link leads out of the scene file's folder.
 void check_inside(const std::filesystem::path& folder, const std::string& relative, const std::string& where) {
   std::error_code failed;
   const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, failed);
