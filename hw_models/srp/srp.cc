@@ -415,7 +415,7 @@ std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
   return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
 }
 
-/// Adds the next chunk of a launch to the loop. Spills rays of the chunk that find no free ray slot to memory.
+/// Adds the next chunk of a launch to the array loop. Spills rays of the chunk that find no free ray slot to memory.
 void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const std::uint32_t first = run.done_items(node), items = run.next_chunk_size(node);

@@ -100,7 +100,8 @@ class TileBuffer {
     }
   };
 
-  /// Reserves space for the colours and attributes of all tiles in flight. The rest of the buffer becomes ray slots.
+  /// Reserves space in the tile buffer for the colours and attributes of all tiles in flight. The rest of the buffer
+  /// becomes ray slots.
   TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {

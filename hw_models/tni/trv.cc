@@ -346,7 +346,7 @@ bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const 
 }
 
 /// Transforms a ray into an instance's space, as one operation of the box pipe. The origin takes 9 multiplications and
-/// 9 additions, the direction 9 and 6 and a reciprocal.
+/// 9 additions; the direction takes 9 multiplications, 6 additions and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const std::uint32_t instance =
       slot.is_restarting() ? paths_[index].next_instance() : traces::instance_index_of(slot.next_step());

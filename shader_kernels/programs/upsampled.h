@@ -36,7 +36,7 @@ class UpsampledProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// State of the rendering of one tile.
+  /// State of a tile while UpsampledProgram renders it.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;

@@ -40,7 +40,7 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
 }
 
 /// Finds the fields of a group whose settings have the highest precedence (ConfigNode::nearness), if that is higher
-/// than `than`. Collects the origins of these settings (files, --set arguments) and updates `than`.
+/// than `than`. Collects the origins of these settings (files, --set arguments) and sets `than` to their precedence.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {

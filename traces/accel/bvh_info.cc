@@ -51,8 +51,8 @@ struct TreeCost {
   std::uint32_t depth = 0;
 };
 
-/// Returns the cost and depth of the tree in nodes [begin, end), whose bounds have surface area `area`. `below` has the
-/// costs of the trees below its instance leaves.
+/// Returns the cost and depth of the tree in nodes [begin, end) of the BVH. `area`: surface area of the tree's bounds.
+/// `below`: costs of the trees below its instance leaves.
 TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t end, double area,
                       const BvhConfig& config, const std::vector<TreeCost>& below, BvhInfo& info) {
   const glm::vec3 step = image.grid ? image.grid->plane_spacing() : glm::vec3(1);

@@ -22,12 +22,13 @@ class WalkRecorder {
   WalkRecorder& operator=(const WalkRecorder&) = delete;
 
   void begin_ray() { sink_.begin.push_back(static_cast<std::uint32_t>(sink_.words.size() + used_)); }
-  /// Flushes the buffer if it is nearly full. Call before each step, which writes at most kStepWords words.
+  /// Flushes the buffer of walk words if it is nearly full. Call before each step, which writes at most kStepWords
+  /// words.
   void make_room() {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
   void write_word(std::uint32_t word) { buffer_[used_++] = word; }
-  /// Flushes the buffer. Call after the last ray; a destructor could not throw if memory runs out.
+  /// Flushes the buffer of walk words. Call after the last ray; a destructor could not throw if memory runs out.
   void finish() { flush(); }
 
   static constexpr std::size_t kStepWords = 4;

@@ -62,12 +62,13 @@ static_assert(sizeof(InstanceRecord) == 64);
 // of the intersection test decides by the sign of the slope of the triangle's plane along the ray.
 inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U << 28;
 
-/// The record of a triangle for the intersection unit, 48 bytes: three vertices, and the labels that a hit copies.
+/// The record of a triangle for the intersection unit, 48 bytes: three vertices, and the labels (object, material,
+/// source) that a hit copies.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id and kFocusObject; 0 in two levels, where InstanceRecord contains them
+  std::uint32_t object;    ///< object id and kFocusObject; 0 in a two-level BVH (then in InstanceRecord)
   std::uint32_t material;  ///< material index in the low bits; culled faces and the flags of ray.h above
-  std::uint32_t source;    ///< number of the triangle in input order: in all instances, or in two levels in its mesh
+  std::uint32_t source;    ///< number of the triangle in input order: in all instances; in a two-level BVH, in its mesh
   std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
@@ -202,7 +203,7 @@ struct ImageCounts {
   friend bool operator==(const ImageCounts&, const ImageCounts&) = default;
 };
 
-/// Which nodes and triangles of the image belong to the tree of one mesh.
+/// Which nodes and triangles of the memory image belong to the tree of one mesh.
 struct ObjectTree {
   std::uint32_t mesh = 0;
   std::uint32_t only = kNone;  ///< the only instance that uses the tree, if the mesh cannot be shared, otherwise kNone

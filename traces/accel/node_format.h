@@ -28,7 +28,7 @@ constexpr std::uint32_t box_bytes(BoxNumbers numbers, BoxRecords boxes) {
   return ((boxes == BoxRecords::kPair ? 12 : 6) * plane_bits(numbers) + 7) / 8;
 }
 
-/// Returns the size in bytes of a tree record: its boxes and, for each box, 30 bits of link and 16 bits of flags. A
+/// Returns the size in bytes of a BVH record: its boxes and, for each box, 30 bits of link and 16 bits of flags. A
 /// link is a leaf bit and either a node, or the number of triangles less one and the first triangle. A leaf has two
 /// flag bits per triangle, for triangle formats without flags. The size is rounded up to words; a pair of float boxes
 /// fills a line.

@@ -26,8 +26,9 @@ inline constexpr int kTraceVersion = 4;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8 bytes), their size (4), kTraceEnd (4)
 
-/// Largest unpacked size of each kind of block. The contents are mostly two numbers per tile, 17 to 22 bytes: 23 MB for
-/// a frame of 16384 x 16384 pixels in tiles of 16 x 16. Once read, the contents take up to 20 times that memory.
+/// Largest unpacked size of each kind of block in a trace. The contents are mostly two numbers per tile, 17 to 22
+/// bytes: 23 MB for a frame of 16384 x 16384 pixels in tiles of 16 x 16. Once read, the contents take up to 20 times
+/// that memory.
 inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;

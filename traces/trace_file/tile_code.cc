@@ -170,8 +170,8 @@ void check_readers(const TileWork& work) {
   }
 }
 
-/// Throws InputError unless nodes read all imports, because the end of a tile implies that its imported borders have
-/// arrived.
+/// Throws InputError unless nodes of the tile read all borders that it imports, because the end of a tile implies that
+/// its imported borders have arrived.
 void check_imports(const TileWork& work) {
   std::uint32_t read = 0;
   for (const WorkNode& node : work.nodes) {

@@ -44,7 +44,7 @@ struct BlockFrame {
   /// Returns which samples of the tile buffer belong to the tile, without its halo.
   LatticeUniforms<float> own_sample_lattice(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
-  /// Returns how many bytes of each exchanged sample a neighbouring tile reads.
+  /// Returns how many bytes of each border sample a neighbouring tile reads.
   std::uint32_t exchanged_bytes_per_sample() const;
   /// Returns the bytes that a tile stores in memory: last row, last column, and all records if they are kept in DRAM.
   std::uint64_t stored_bytes_per_tile() const;

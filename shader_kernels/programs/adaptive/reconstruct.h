@@ -48,7 +48,7 @@ class ReconstructProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// State of the rendering of one tile.
+  /// State of a tile while program reconstruct renders it.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;

@@ -191,7 +191,7 @@ namespace {
 
 using traces::Region;
 
-/// Bytes of each exchanged sample that neighbouring tiles read.
+/// Bytes that a neighbouring tile reads of each border sample.
 constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace

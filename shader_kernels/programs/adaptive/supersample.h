@@ -95,7 +95,7 @@ class SupersampleProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// State of the rendering of one tile.
+  /// State of a tile while program supersample renders it.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;

@@ -40,7 +40,7 @@ struct Context {
   [[noreturn]] void refuse_index(const char* what, long long index, std::size_t size) const;
 };
 
-/// Converts a JSON number to float. Throws InputError if it does not fit; `what` names the number.
+/// Converts a JSON number to float. Throws InputError if a float cannot represent it; `what` names the number.
 float to_float(const Context& context, double value, const std::string& what);
 
 /// Convert a JSON list of exactly three or four numbers. An empty list gives `absent`.

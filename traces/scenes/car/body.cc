@@ -79,7 +79,8 @@ glm::vec2 arch_edge_point(float share) {
   return kArch * circle_point(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
 }
 
-/// Returns the x positions of the body's cross-sections, which are denser at the ends of arches, nose and tail.
+/// Returns the x positions of the cross-sections of the car's body, which are denser at the ends of arches, nose and
+/// tail.
 std::vector<float> section_positions(const Detail& detail) {
   constexpr float kReach = kArch - 1e-4F;  // beyond it, the edge drops to the sill
   std::vector<float> xs{kTail};

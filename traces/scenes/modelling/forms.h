@@ -12,8 +12,8 @@ namespace traces {
 /// Returns the axes of a wall: x to the right and y up as seen from the room, z = `outward` (horizontal unit vector)
 /// out of the wall.
 glm::mat4 wall_axes(const glm::vec3& origin, const glm::vec3& outward);
-/// Return the axes of a floor and of a ceiling. Both have the x of the world. The y of a floor is the world's -z, that
-/// of a ceiling the world's z.
+/// Return the axes of a floor and of a ceiling. The x axis is that of the world. The y axis of a floor is the world's
+/// -z; that of a ceiling is the world's z.
 glm::mat4 floor_axes(const glm::vec3& origin);
 glm::mat4 ceiling_axes(const glm::vec3& origin);
 /// Returns a rotation about an axis (a unit vector) through `origin`.
