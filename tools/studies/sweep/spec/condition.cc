@@ -40,10 +40,16 @@ class ConditionReader {
 
   bool at_end() const { return at_ == text_.size(); }
 
-  std::string read_path() {
+  /// Reads a report path, an axis, or a function of a path: worst(fps).
+  std::string read_name() {
     const std::size_t begin = at_;
     while (!at_end() && is_of_path(text_[at_])) ++at_;
     if (at_ == begin) fail("a report path or an axis is missing");
+    if (!at_end() && text_[at_] == '(') {
+      const std::size_t end = text_.find(')', at_);
+      if (end == std::string_view::npos) fail("the ) that ends this function is missing");
+      at_ = end + 1;
+    }
     return word_from(begin);
   }
 
@@ -157,7 +163,7 @@ std::vector<ConditionTerm> parse_condition(const std::string& text) {
   do {
     if (!terms.empty()) reader.read_and(terms.back().value);
     ConditionTerm& term = terms.emplace_back();
-    term.name = reader.read_path();
+    term.name = reader.read_name();
     term.comparison = reader.read_comparison();
     term.value = reader.read_value();
   } while (!reader.at_end());

@@ -54,7 +54,7 @@ std::optional<bool> compare(const Operand& left, Comparison comparison, const Op
 
 /// One comparison of a condition, before names are looked up.
 struct ConditionTerm {
-  std::string name;  ///< an axis, a key or a path of the report
+  std::string name;  ///< an axis, a key, a path of the report or a function of one, such as worst(fps)
   Comparison comparison = Comparison::kEqual;
   std::string value;
 };
@@ -62,7 +62,7 @@ struct ConditionTerm {
 /// Splits "<= 8 KiB" into comparison and value. Text without a comparison sign means =. The value may be empty.
 std::pair<Comparison, std::string> parse_comparison(const std::string& text);
 
-/// Reads "power_w.nominal<1 and tni.trv.l1.size>='16 KiB'". Throws InputError with the column where the text is wrong.
+/// Reads "worst(power_w)<1 and tni.trv.l1.size>='16 KiB'". Throws InputError with the column where the text is wrong.
 std::vector<ConditionTerm> parse_condition(const std::string& text);
 
 }  // namespace tools::sweep
