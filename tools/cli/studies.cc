@@ -20,6 +20,7 @@
 #include "tools/studies/bench/bench.h"
 #include "tools/studies/bottleneck/bottleneck.h"
 #include "tools/studies/compare/compare.h"
+#include "tools/studies/compare/compare_sets.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/optimise/optimise.h"
 #include "tools/studies/optimise/task.h"
@@ -215,30 +216,81 @@ void add_microbench(CLI::App& app, int& exit) {
 namespace {
 
 struct CompareOptions {
-  std::vector<std::string> paths;
+  std::vector<std::string> paths, with;
   std::uint32_t replicates = 1, threads = 0;
   double fps = 0;
   std::string progress = "auto";
   bool json = false;
 };
 
-void run_comparison(const CompareOptions& options) {
-  std::vector<ReportFile> reports;
-  for (const std::string& path : options.paths) reports.push_back(load_report(path));
+/// Adds replicates and the frame rate that the options request.
+void complete_reports(const CompareOptions& options, const std::vector<ReportFile*>& reports) {
   if (options.replicates > 1) {
     Progress progress(options.progress, false);
     progress.expect_parts(options.replicates * static_cast<std::uint32_t>(reports.size()));
-    for (ReportFile& report : reports) add_replicates(report, options.replicates, options.threads, &progress);
+    for (ReportFile* report : reports) add_replicates(*report, options.replicates, options.threads, &progress);
     progress.finish("done");
   }
   if (options.fps > 0) {
-    for (ReportFile& report : reports) set_frame_rate(report, options.fps);
+    for (ReportFile* report : reports) set_frame_rate(*report, options.fps);
   }
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) print_message("warning: {}", sim::printable(warning, 1000));
+}
+
+/// Reads the sets of runs that the options name: folders of runs, or runs in two lists; none for single runs.
+std::vector<RunSet> load_run_sets(const CompareOptions& options) {
+  std::vector<RunSet> sets;
+  const auto is_set = [](const std::string& path) { return is_run_set(path); };
+  if (!options.with.empty()) {
+    for (const auto& [name, paths] : {std::pair{"first", &options.paths}, {"second", &options.with}}) {
+      RunSet& set = sets.emplace_back(RunSet{name, {}});
+      for (const std::string& path : *paths) set.runs.push_back(load_report(path));
+    }
+  } else if (std::ranges::any_of(options.paths, is_set)) {
+    for (const std::string& path : options.paths) {
+      if (!is_set(path)) {
+        throw sim::InputError(fmt::format(
+            "{}: is no folder of runs, as another is; allowed: only folders that contain runs, or only runs "
+            "(with report.json)",
+            sim::printable(path)));
+      }
+      sets.push_back(load_run_set(path));
+    }
+  }
+  return sets;
+}
+
+void compare_run_sets(const CompareOptions& options, std::vector<RunSet> sets) {
+  std::vector<ReportFile*> reports;
+  for (RunSet& set : sets) {
+    for (ReportFile& run : set.runs) reports.push_back(&run);
+  }
+  complete_reports(options, reports);
+  std::vector<SetComparison> against;
+  for (std::size_t i = 1; i < sets.size(); ++i) against.push_back(compare_sets(sets.front(), sets[i]));
+  print_warnings(set_comparison_warnings(sets, against));
+  fmt::print("{}", options.json ? sim::json_text(set_comparison_json(sets, against))
+                                : to_terminal_encoding(set_comparison_text(sets, against)));
+}
+
+void run_comparison(const CompareOptions& options) {
+  if (options.paths.size() < 2 && options.with.empty()) {
+    throw sim::InputError("runs: 1 given; allowed: at least 2, or --with RUN... for the second set");
+  }
+  if (std::vector<RunSet> sets = load_run_sets(options); !sets.empty()) {
+    return compare_run_sets(options, std::move(sets));
+  }
+  std::vector<ReportFile> reports;
+  std::vector<ReportFile*> all;
+  for (const std::string& path : options.paths) reports.push_back(load_report(path));
+  for (ReportFile& report : reports) all.push_back(&report);
+  complete_reports(options, all);
   std::vector<Comparison> against;
   for (std::size_t i = 1; i < reports.size(); ++i) against.push_back(compare(reports.front(), reports[i]));
-  for (const std::string& warning : comparison_warnings(reports, against)) {
-    print_message("warning: {}", sim::printable(warning, 1000));
-  }
+  print_warnings(comparison_warnings(reports, against));
   fmt::print("{}", options.json ? sim::json_text(comparison_json(reports, against))
                                 : to_terminal_encoding(comparison_text(reports, against)));
 }
@@ -249,10 +301,15 @@ void add_compare(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "compare", "Compare runs: print changes of cycles, energy and pictures, and the counters that explain them");
   const auto options = std::make_shared<CompareOptions>();
-  verb->add_option("runs", options->paths, "folders of runs, or report.json files; all are compared with the first")
+  verb->add_option("runs", options->paths,
+                   "folders of runs, or report.json files; all are compared with the first. Folders that contain runs\n"
+                   "are sets: runs of one machine on several workloads, which are compared workload by workload")
       ->required()
-      ->expected(2, 100)
+      ->expected(1, 100)
       ->type_name("RUN RUN...");
+  verb->add_option("--with", options->with, "runs of the second set, to compare with RUN... as the first")
+      ->expected(1, 100)
+      ->type_name("RUN...");
   verb->add_option(
           "--replicates", options->replicates,
           "simulate runs that have fewer replicates this number of times, slightly perturbed, to measure noise\n"

@@ -443,9 +443,9 @@ std::string relative_text(double relative) {
                       : fmt::format("x{:.3g}", 1 + relative);
 }
 
-/// Returns the noise of a difference: "within ± 2 %", or for means of replicates "mean +1.4 % ± 0.52 %, outside".
-std::string noise_text(const Comparison& c, const MetricPair& pair) {
-  if (c.is_meaningless(pair.name)) return "another clock";
+}  // namespace
+
+std::string noise_text(const MetricPair& pair) {
   if (!pair.noise) return "";
   const NoisyDifference& n = *pair.noise;
   constexpr double kRounding = 1e-12;
@@ -454,6 +454,12 @@ std::string noise_text(const Comparison& c, const MetricPair& pair) {
   const char* const verdict = n.outside ? "outside" : "within";
   if (!is_of_means) return fmt::format("{} ± {:.2g} %", verdict, 100 * n.half_width);
   return fmt::format("mean {} ± {:.2g} %, {}", relative_text(n.relative), 100 * n.half_width, verdict);
+}
+
+namespace {
+
+std::string noise_text(const Comparison& c, const MetricPair& pair) {
+  return c.is_meaningless(pair.name) ? "another clock" : noise_text(pair);
 }
 
 /// Returns a note that states whether noise is measured by replicates or assumed.
@@ -483,6 +489,8 @@ std::string short_name(const ReportFile& report) {
   return sim::printable(usual ? folder : file.stem().string(), 40);
 }
 
+}  // namespace
+
 std::string metric_value_text(const std::string& name, double value) {
   static const std::map<std::string, const char*> kUnits = {
       {"time_ms", "ms"},          {"dram_bytes", "B"},  {"energy_mj", "mJ"},
@@ -493,6 +501,8 @@ std::string metric_value_text(const std::string& name, double value) {
   if (unit == kUnits.end()) return sim::si_text(value);
   return fmt::format("{:.4g} {}", value, unit->second);
 }
+
+namespace {
 
 std::string picture_text(const Comparison& c) {
   if (!c.squared_error) return sim::printable(c.no_picture);
@@ -515,7 +525,8 @@ std::vector<MetricPair> with_per(std::vector<MetricPair> ratios) {
   return ratios;
 }
 
-/// Returns a change as text: "+1.4 %", "x2.08", "new", "gone", "=".
+}  // namespace
+
 std::string change_text(const MetricPair& pair) {
   if (pair.a == pair.b) return "=";
   if (pair.a == 0) return "new";
@@ -525,6 +536,8 @@ std::string change_text(const MetricPair& pair) {
   const double percent = 100 * (times - 1);
   return fmt::format("{:+.{}f} %", percent, std::abs(percent) < 1 ? 2 : 1);
 }
+
+namespace {
 
 std::string overview_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   const std::vector<std::string> names = short_names(reports);
@@ -585,16 +598,20 @@ double difference_of(const Comparison& c, const char* metric) {
   return found == c.metrics.end() ? 0 : found->difference();
 }
 
-std::string config_text(const Comparison& c) {
-  if (c.config.empty()) return "configurations are equal\n";
+}  // namespace
+
+std::string config_text(const std::vector<KeyPair>& keys) {
+  if (keys.empty()) return "configurations are equal\n";
   std::string out = "configuration\n";
   const auto value = [](const std::string& text) { return text.empty() ? "none" : text; };
-  for (std::size_t i = 0; i < std::min(c.config.size(), 2 * kShown); ++i) {
-    out += fmt::format("  {}: {} -> {}\n", c.config[i].key, value(c.config[i].a), value(c.config[i].b));
+  for (std::size_t i = 0; i < std::min(keys.size(), 2 * kShown); ++i) {
+    out += fmt::format("  {}: {} -> {}\n", keys[i].key, value(keys[i].a), value(keys[i].b));
   }
-  if (c.config.size() > 2 * kShown) out += fmt::format("  and {} more keys\n", c.config.size() - 2 * kShown);
+  if (keys.size() > 2 * kShown) out += fmt::format("  and {} more keys\n", keys.size() - 2 * kShown);
   return out;
 }
+
+namespace {
 
 /// Returns text with the energy ratio of the two runs under low, nominal and high tables, and the table entries that
 /// change it most.
@@ -627,7 +644,7 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
 
 std::string explanation_text(const Comparison& c, const std::vector<std::string>& names) {
   const bool has_places = !c.time.empty();
-  std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c));
+  std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c.config));
   out += pairs_table(c.other_clock ? "cycles of an average core, each of its own clock" : "cycles of an average core",
                      describe_time_parts(c.time), Column::kCount, names, difference_of(c, "cycles"));
   out += pairs_table("cycles of an average unit", c.reasons, Column::kCount, names);
@@ -699,10 +716,7 @@ Json against_json(const Comparison& c) {
     Json& metric = metrics[pair.name];
     metric = {{"a", pair.a}, {"b", pair.b}, {"relative", pair.a == 0 ? Json() : Json(pair.b / pair.a)}};
     if (!pair.noise) continue;
-    metric["noise"] = {{"from", pair.noise->measured ? "replicates" : "default"},
-                       {"difference", pair.noise->relative},
-                       {"half_width", pair.noise->half_width},
-                       {"outside", pair.noise->outside}};
+    metric["noise"] = noise_json(*pair.noise);
   }
   Json picture = Json::object();
   if (c.squared_error) {
@@ -725,6 +739,13 @@ Json against_json(const Comparison& c) {
 }
 
 }  // namespace
+
+Json noise_json(const NoisyDifference& noise) {
+  return {{"from", noise.measured ? "replicates" : "default"},
+          {"difference", noise.relative},
+          {"half_width", noise.half_width},
+          {"outside", noise.outside}};
+}
 
 Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   Json out = {{"schema", "raywatt-compare/1"},

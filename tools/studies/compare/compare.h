@@ -70,6 +70,18 @@ sim::Json comparison_json(const std::vector<ReportFile>& reports, const std::vec
 /// Returns the comparisons as text for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
+/// Returns a value of a main metric with its unit, by its name in JSON.
+std::string metric_value_text(const std::string& name, double value);
+/// Returns a change as text: "+1.4 %", "x2.08", "new", "gone", "=".
+std::string change_text(const MetricPair& pair);
+/// Returns the noise of a difference: "within ± 2 %", or for means of replicates "mean +1.4 % ± 0.52 %, outside"; empty
+/// for a metric without noise.
+std::string noise_text(const MetricPair& pair);
+/// Lists keys of the configuration with both values, a line each.
+std::string config_text(const std::vector<KeyPair>& keys);
+/// Returns the noise of a difference as JSON: from, difference, half_width, outside.
+sim::Json noise_json(const NoisyDifference& noise);
+
 /// Returns the folder names of the runs, with a letter in front if two are equal.
 std::vector<std::string> short_names(const std::vector<ReportFile>& reports);
 

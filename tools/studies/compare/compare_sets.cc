@@ -1,0 +1,294 @@
+#include "tools/studies/compare/compare_sets.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "sim/report/table.h"
+#include "tools/noise/noise.h"
+#include "tools/studies/sweep/spec/set_metric.h"
+
+namespace tools {
+namespace {
+
+namespace fs = std::filesystem;
+using sweep::SetMetric;
+
+/// What a run renders, from the most to the least telling: scene, resolution, frames, view.
+using WorkloadKey = std::array<std::string, 4>;
+
+WorkloadKey workload_key(const ReportFile& report) {
+  const FlatConfig config = report.json.contains("config") ? flat_config(report.json["config"]) : FlatConfig{};
+  const auto value = [&](const char* key) {
+    const auto found = config.find(key);
+    return found == config.end() ? std::string() : found->second;
+  };
+  return {report.text("scene", "name"),
+          fmt::format("{}x{}", report.number("resolution[0]"), report.number("resolution[1]")),
+          fmt::format("frames {} to {} at {}/s", value("scene.first_frame"), value("scene.last_frame"),
+                      value("scene.frame_rate")),
+          fmt::format("camera '{}', view {} from {} to {}", value("scene.camera"), value("scene.view.source"),
+                      value("scene.view.position"), value("scene.view.target"))};
+}
+
+std::vector<WorkloadKey> workload_keys(const RunSet& set) {
+  std::vector<WorkloadKey> keys;
+  for (const ReportFile& run : set.runs) keys.push_back(workload_key(run));
+  return keys;
+}
+
+/// Names workloads by as few parts of their keys as tell them apart; all parts if even those are equal.
+std::vector<std::string> name_workloads(const std::vector<WorkloadKey>& keys) {
+  std::vector<std::string> names(keys.size());
+  for (std::size_t parts = 1; parts <= WorkloadKey().size(); ++parts) {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      names[i] =
+          fmt::format("{}", fmt::join(keys[i].begin(), keys[i].begin() + static_cast<std::ptrdiff_t>(parts), " "));
+    }
+    if (std::set<std::string>(names.begin(), names.end()).size() == names.size()) break;
+  }
+  return names;
+}
+
+std::string listed_workloads(const std::vector<WorkloadKey>& keys) {
+  std::vector<std::string> names = name_workloads(keys);
+  return sim::printable(fmt::format("{}", fmt::join(names, ", ")), 1000);
+}
+
+/// Returns for each run of `a` the run of `b` of the same workload. Throws InputError if the workloads differ.
+std::vector<const ReportFile*> match_runs(const RunSet& a, const RunSet& b) {
+  const std::vector<WorkloadKey> of_a = workload_keys(a), of_b = workload_keys(b);
+  for (const auto& [set, keys] : {std::pair{&a, &of_a}, {&b, &of_b}}) {
+    for (std::size_t i = 0; i < keys->size(); ++i) {
+      if (std::ranges::count(*keys, (*keys)[i]) == 1) continue;
+      throw sim::InputError(fmt::format("{}: has two runs of {}; allowed: one run per workload", set->name,
+                                        sim::printable(fmt::format("{}", fmt::join((*keys)[i], " ")), 1000)));
+    }
+  }
+  std::vector<const ReportFile*> matched;
+  for (const WorkloadKey& key : of_a) {
+    const auto found = std::ranges::find(of_b, key);
+    if (found == of_b.end() || of_a.size() != of_b.size()) {
+      throw sim::InputError(
+          fmt::format("{} has runs of {}; {} of {}; allowed: sets of the same workloads, with equal resolution, frames "
+                      "and view",
+                      a.name, listed_workloads(of_a), b.name, listed_workloads(of_b)));
+    }
+    matched.push_back(&b.runs[static_cast<std::size_t>(found - of_b.begin())]);
+  }
+  return matched;
+}
+
+/// Returns a metric of a run with its noise.
+MeasuredFigure seen_metric(const ReportFile& report, const std::string& metric) {
+  MeasuredFigure seen{report.number("totals." + metric)};
+  if (!is_noisy(metric)) return seen;
+  const std::string at = "totals.replicates.figures." + metric;
+  if (report.has(at + ".mean")) {
+    seen.draws = Draws{static_cast<std::size_t>(report.number("totals.replicates.count")), report.number(at + ".mean"),
+                       report.number(at + ".deviation")};
+    seen.value = seen.draws->mean;
+  } else {
+    seen.assumed = default_noise(report.number("resolution[0]") * report.number("resolution[1]"), metric);
+  }
+  return seen;
+}
+
+/// Returns an aggregate of a metric in both sets; without values if it has none.
+SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<const ReportFile*>& a,
+                     const std::vector<const ReportFile*>& b, const std::string& metric) {
+  const bool larger = sweep::is_larger_better("totals." + metric).value_or(true);
+  const auto evaluate = [&](const std::vector<const ReportFile*>& runs) {
+    std::vector<sweep::WorkloadValue> values;
+    for (const ReportFile* run : runs) {
+      sweep::WorkloadValue& value = values.emplace_back();
+      if (run->has("totals." + metric)) value.seen = seen_metric(*run, metric);
+    }
+    return sweep::evaluate_set_metric({kind, metric, {}}, values, larger);
+  };
+  const std::optional<MeasuredFigure> of_a = evaluate(a), of_b = evaluate(b);
+  SetRow row{name, {}, {}};
+  if (of_a) row.a = of_a->value;
+  if (of_b) row.b = of_b->value;
+  if (!is_noisy(metric) || !of_a || !of_b || of_a->value == 0 || of_b->value == 0) return row;
+  const MeanDifference d = difference_of(*of_a, *of_b);
+  row.noise = NoisyDifference{d.value / of_a->value, d.half_width() / std::abs(of_a->value), of_a->draws && of_b->draws,
+                              std::abs(d.value) > d.half_width()};
+  return row;
+}
+
+/// Keys with the same two values in all comparisons.
+std::vector<KeyPair> common_keys(const std::vector<Comparison>& runs) {
+  std::vector<KeyPair> common = runs.front().config;
+  std::erase_if(common, [&](const KeyPair& key) {
+    return !std::ranges::all_of(runs, [&](const Comparison& run) {
+      return std::ranges::any_of(run.config, [&](const KeyPair& other) {
+        return other.key == key.key && other.a == key.a && other.b == key.b;
+      });
+    });
+  });
+  return common;
+}
+
+/// Metrics of the text; JSON has all.
+constexpr std::array<std::string_view, 10> kShownMetrics = {
+    "cycles",  "time_ms",        "fps",      "fps_margin",          "dram_bytes", "energy_mj",
+    "power_w", "power_at_fps_w", "area_mm2", "frames_per_joule_gpu"};
+
+std::string rows_text(const SetComparison& c, const std::string& a, const std::string& b) {
+  sim::Table table({"", "workload", a, b, "", "noise"});
+  for (const SetRows& metric : c.metrics) {
+    if (std::ranges::find(kShownMetrics, metric.name) == kShownMetrics.end()) continue;
+    const auto value = [&](const std::optional<double>& of) {
+      return of ? metric_value_text(metric.name, *of) : std::string("-");
+    };
+    for (const SetRow& row : metric.rows) {
+      const MetricPair pair{metric.name, row.a.value_or(0), row.b.value_or(0), row.noise, metric.label};
+      table.add_row({&row == &metric.rows.front() ? metric.label : "", sim::printable(row.workload), value(row.a),
+                     value(row.b), row.a && row.b ? change_text(pair) : "", noise_text(pair)});
+    }
+  }
+  return table.text();
+}
+
+}  // namespace
+
+bool is_run_set(const fs::path& folder) {
+  std::error_code failed;
+  if (!fs::is_directory(folder, failed) || fs::exists(folder / "report.json", failed)) return false;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+    if (fs::exists(entry.path() / "report.json", failed)) return true;
+  }
+  return false;
+}
+
+RunSet load_run_set(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (fs::exists(entry.path() / "report.json")) folders.push_back(entry.path());
+  }
+  std::ranges::sort(folders);
+  const std::string name = fs::absolute(folder / "x").parent_path().filename().string();
+  RunSet set{sim::printable(name, 40), {}};
+  for (const fs::path& run : folders) set.runs.push_back(load_report(run));
+  return set;
+}
+
+SetComparison compare_sets(const RunSet& a, const RunSet& b) {
+  const std::vector<const ReportFile*> of_b = match_runs(a, b);
+  std::vector<const ReportFile*> of_a;
+  SetComparison out;
+  out.workloads = name_workloads(workload_keys(a));
+  for (std::size_t i = 0; i < a.runs.size(); ++i) {
+    of_a.push_back(&a.runs[i]);
+    out.runs.push_back(compare(a.runs[i], *of_b[i]));
+  }
+  out.config = common_keys(out.runs);
+  std::vector<const MetricPair*> metrics;  // of all workloads, in table order
+  for (const Comparison& run : out.runs) {
+    for (const MetricPair& pair : run.metrics) {
+      const bool is_known =
+          std::ranges::any_of(metrics, [&](const MetricPair* known) { return known->name == pair.name; });
+      if (!is_known) metrics.push_back(&pair);
+    }
+  }
+  for (const MetricPair* metric : metrics) {
+    SetRows rows{metric->name, metric->label, {}};
+    for (std::size_t i = 0; i < out.runs.size(); ++i) {
+      const auto pair = std::ranges::find(out.runs[i].metrics, metric->name, &MetricPair::name);
+      SetRow row{out.workloads[i], {}, {}};
+      if (pair != out.runs[i].metrics.end()) row = {out.workloads[i], pair->a, pair->b, pair->noise};
+      rows.rows.push_back(std::move(row));
+    }
+    const std::string path = "totals." + metric->label;
+    if (sweep::is_metric_of_machine(path)) {
+      rows.rows.resize(1);
+      rows.rows.front().workload = "all";
+    } else if (out.runs.size() > 1 && !out.runs.front().is_meaningless(metric->name)) {
+      rows.rows.push_back(aggregate_row("geomean", SetMetric::Kind::kGeomean, of_a, of_b, metric->label));
+      if (sweep::is_larger_better(path)) {
+        rows.rows.push_back(aggregate_row("worst", SetMetric::Kind::kWorst, of_a, of_b, metric->label));
+      }
+    }
+    out.metrics.push_back(std::move(rows));
+  }
+  return out;
+}
+
+std::string set_comparison_text(std::span<const RunSet> sets, std::span<const SetComparison> against) {
+  std::string out;
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    const SetComparison& c = against[i];
+    out += fmt::format("{}{} against {}, {} workloads\n\n{}", i == 0 ? "" : "\n", sets[i + 1].name, sets[0].name,
+                       c.workloads.size(), rows_text(c, sets[0].name, sets[i + 1].name));
+    bool assumed = false, measured = false;
+    for (const SetRows& metric : c.metrics) {
+      for (const SetRow& row : metric.rows) {
+        if (row.noise) (row.noise->measured ? measured : assumed) = true;
+      }
+    }
+    if (measured) out += "noise: differences of the means of replicates, 95 % intervals\n";
+    if (assumed) out += "noise: assumed for this size of picture; --replicates 5 measures it\n";
+    out += "worst is the lowest value of a metric that is better when high, else the highest\n";
+    out += fmt::format("\n{} against {}: {}", sets[i + 1].name, sets[0].name, config_text(c.config));
+    const std::vector<const ReportFile*> of_b = match_runs(sets[0], sets[i + 1]);
+    out += "\nexplained by\n";
+    for (std::size_t w = 0; w < c.workloads.size(); ++w) {
+      out += fmt::format("  raywatt compare {} {}\n", sim::printable(sets[0].runs[w].file.parent_path().string(), 4096),
+                         sim::printable(of_b[w]->file.parent_path().string(), 4096));
+    }
+  }
+  return out;
+}
+
+sim::Json set_comparison_json(std::span<const RunSet> sets, std::span<const SetComparison> against) {
+  using sim::Json;
+  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  Json out = {{"schema", "raywatt-compare-sets/1"}, {"a", sets[0].name}, {"against", Json::array()}};
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    const SetComparison& c = against[i];
+    const std::vector<const ReportFile*> of_b = match_runs(sets[0], sets[i + 1]);
+    Json config = Json::array(), figures = Json::object(), runs = Json::array();
+    for (const KeyPair& key : c.config) config.push_back({{"key", key.key}, {"a", key.a}, {"b", key.b}});
+    for (const SetRows& metric : c.metrics) {
+      for (const SetRow& row : metric.rows) {
+        Json& cell = figures[metric.name][sim::printable(row.workload, 1000)];
+        cell = {{"a", number(row.a)}, {"b", number(row.b)}};
+        cell["relative"] = row.a && row.b && *row.a != 0 ? Json(*row.b / *row.a) : Json();
+        if (row.noise) cell["noise"] = noise_json(*row.noise);
+      }
+    }
+    for (std::size_t w = 0; w < c.workloads.size(); ++w) {
+      Json run = comparison_json({sets[0].runs[w], *of_b[w]}, {c.runs[w]});
+      runs.push_back({{"workload", sim::printable(c.workloads[w], 1000)}, {"a", run["a"]}});
+      runs.back().update(run["against"][0]);
+    }
+    out["against"].push_back({{"b", sets[i + 1].name},
+                              {"workloads", c.workloads},
+                              {"config", std::move(config)},
+                              {"figures", std::move(figures)},
+                              {"runs", std::move(runs)}});
+  }
+  return out;
+}
+
+std::vector<std::string> set_comparison_warnings(std::span<const RunSet> sets, std::span<const SetComparison> against) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    const std::vector<const ReportFile*> of_b = match_runs(sets[0], sets[i + 1]);
+    for (std::size_t w = 0; w < of_b.size(); ++w) {
+      for (std::string& line : comparison_warnings({sets[0].runs[w], *of_b[w]}, {against[i].runs[w]})) {
+        if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace tools
