@@ -12,7 +12,7 @@ async function check(page) {
   assert.deepEqual(grave.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 120)).slice(0, 3).join(" | ")}`), []);
 }
 
-for (const name of ["run.html", "diff.html", "sweep.html"]) {
+for (const name of ["run.html", "diff.html", "sweep.html", "set.html"]) {
   for (const surroundings of [{ theme: "light" }, { theme: "dark" }, { width: 360 }]) {
     test(`${name} ${JSON.stringify(surroundings)}`, () => look(name, surroundings, async (page) => {
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);

@@ -45,6 +45,13 @@ axes:
   tni.trvs: [1, 2, 4]
   tni.trv.l1.size: [8 KiB, 16 KiB]
 `);
+fs.writeFileSync(at("set.yaml"), `schema: raywatt-sweep/1
+question: Which machine is best on both scenes?
+resolution: 16x16
+sets: [scene.triangles=200]
+workloads: [cornell, teapot]
+axes: {cores: [1, 2], tni.trvs: [1, 2]}
+`);
 fs.writeFileSync(at("search.yaml"), `schema: raywatt-optimise/1
 question: Which machines are quick and frugal?
 scene: cornell
@@ -65,6 +72,10 @@ const sweep = async () => {
   await running("sweep", "run", "sweep.yaml", "-o", "sweep", "--store", "store", "-j", "1");
   await running("report", "sweep", "-o", "sweep.html");
 };
+const set = async () => {
+  await running("sweep", "run", "set.yaml", "-o", "set", "--store", "store", "-j", "1");
+  await running("report", "set", "-o", "set.html");
+};
 const search = async () => {
   await running("optimise", "search.yaml", "-o", "search", "--store", "found", "-j", "1", "--quiet");
   await running("report", "search", "-o", "search.html");
@@ -78,7 +89,7 @@ const [browser] = await Promise.all([
     executablePath: chromium,
     args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   }),
-  runs(), sweep(), search(), adaptive()]);
+  runs(), sweep(), set(), search(), adaptive()]);
 
 const open = new Map();  // pages by file
 export const close = () => browser.close();

@@ -54,3 +54,33 @@ test("a chosen point shows the command that runs it again, and that command does
   assert.match(await page.locator(".details h4").innerText(), /Point 0/);
   assert.match(await page.evaluate(() => location.hash), /point=0/);
 }));
+
+test("over several workloads rows are machines, with aggregates and every workload", () => look("set.html", {}, async (page) => {
+  const table = page.locator('[data-block="points"]');
+  assert.equal(await table.locator("tbody tr").count(), 4);
+  const titles = await table.locator("thead th").allInnerTexts();
+  for (const title of ["frame rate, worst, frames/s", "frame rate, geomean, frames/s", "frame rate on cornell, frames/s", "frame rate on teapot, frames/s"]) {
+    assert.ok(titles.includes(title), `${title} in ${titles}`);
+  }
+  const lines = program("sweep", "table", "set", "--columns", "n,worst(fps)", "--csv").trim().split("\n").slice(1).map((l) => l.split(",").map(Number));
+  const place = titles.indexOf("frame rate, worst, frames/s") + 1;
+  const shown = (await table.locator(`tbody tr td:nth-child(${place})`).allInnerTexts()).map(numberOf);
+  lines.forEach(([machine, rate]) => assert.ok(Math.abs(shown[machine] / rate - 1) < 1e-3));
+  await page.getByRole("searchbox").first().fill(`worst(fps)>=${Math.max(...lines.map((l) => l[1]))}`);
+  assert.equal(await table.locator("tbody tr").count(), lines.filter((l) => l[1] === Math.max(...lines.map((m) => m[1]))).length);
+}));
+
+test("bars compare the best machine with the chosen one on each workload", () => look("set.html", { hash: "#point=0&tables=workload-bars" }, async (page) => {
+  const rows = page.locator('[data-block="workload-bars"] table tbody tr');
+  const best = Number(program("sweep", "best", "set", "--max", "geomean(frames_per_joule_gpu)").match(/: machine (\d+)/)[1]);
+  assert.equal(await rows.count(), best === 0 ? 2 : 4);
+  const cells = await rows.first().locator("td").allInnerTexts();
+  const wanted = program("sweep", "table", "set", "--columns", "n,on(cornell, fps)", "--csv").trim().split("\n")[best + 1].split(",")[1];
+  assert.deepEqual(cells.slice(0, 2), ["cornell", `machine ${best}, the best`]);
+  assert.ok(Math.abs(numberOf(cells[2]) / Number(wanted) - 1) < 1e-3);
+  const commands = (await page.locator(".command code").innerText()).split(" && ");
+  assert.equal(commands.length, 2);
+  assert.match(commands[1], /^raywatt run sgrt-2016 --scene teapot /);
+  await page.getByLabel("figure", { exact: true }).selectOption("power");
+  await page.waitForFunction(() => document.querySelector('[data-block="workload-bars"] table thead')?.innerText.includes("power"));
+}));

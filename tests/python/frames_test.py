@@ -206,6 +206,21 @@ class Sweep(unittest.TestCase):
         self.assertTrue(points["totals.time_ms"].isna()[3])
         self.assertEqual(list(points["scene.camera"]), [*names, "x"])
 
+    def test_machines_have_aggregates_and_values_per_workload(self):
+        text = SWEEP.replace("scene: cornell\n", "workloads: [cornell, teapot]\n").replace("  tni.trv.l1.size: [4 KiB, 16 KiB]\n", "")
+        pathlib.Path(WORK.name, "set.yaml").write_text(text)
+        run(PROGRAM, "sweep", "run", "set.yaml", "-o", "set", "--store", "store")
+        folder = pathlib.Path(WORK.name, "set")
+        machines, points = raywatt.load_sweep(folder, machines=True), raywatt.load_sweep(folder)
+        self.assertEqual(list(machines["cores"]), [1, 2])
+        for machine, cores in machines["cores"].items():
+            rates = points[points["cores"] == cores].set_index("workload")["totals.perf.fps"]
+            self.assertEqual(machines["worst(fps)"][machine], rates.min())
+            self.assertAlmostEqual(machines["mean(perf.fps)"][machine], rates.mean(), delta=1e-9 * rates.mean())
+            self.assertEqual(machines["on(teapot, fps)"][machine], rates["teapot"])
+        with self.assertRaisesRegex(ValueError, "machines.csv: is not there; allowed: a sweep over several workloads"):
+            raywatt.load_sweep(pathlib.Path(WORK.name, "sweep"), machines=True)
+
     def test_a_folder_without_a_table_is_refused(self):
         with self.assertRaisesRegex(ValueError, "results.csv: is not there; `raywatt sweep collect "):
             raywatt.load_sweep(pathlib.Path(WORK.name))

@@ -122,7 +122,8 @@ CLI::App* add_query(CLI::App& group, const char* name, const char* description, 
 
 void add_where(CLI::App& verb, std::vector<std::string>& where) {
   verb.add_option("--where", where,
-                  "only points that meet this condition, e.g. 'power_w.nominal<1 and cores>=2' (repeatable)")
+                  "only points that meet this condition, e.g. 'power_w.nominal<1 and cores>=2' (repeatable); over "
+                  "several workloads a machine must meet it on each")
       ->allow_extra_args(false)
       ->type_name("EXPR");
 }
@@ -138,15 +139,34 @@ void add_energy_option(CLI::App& verb, bool& band) {
 
 void add_collect(CLI::App& group) {
   const auto folder = std::make_shared<fs::path>();
-  CLI::App* verb = add_query(group, "collect", "Collect results into index.sqlite and results.csv", *folder);
+  CLI::App* verb =
+      add_query(group, "collect", "Collect results into index.sqlite, results.csv and machines.csv", *folder);
   verb->footer("Example: raywatt sweep collect out/l1");
   verb->callback([folder] {
     const sweep::SweepFolder opened = sweep::SweepFolder::open(*folder);
     join_sweep(opened);
     const results::Collected collected = results::collect_results(opened);
-    fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
-               (*folder / "results.csv").string(), (*folder / "index.sqlite").string());
+    const fs::path machines = *folder / "machines.csv";
+    fmt::print("{}{}\ntable: {}\n{}index: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
+               (*folder / "results.csv").string(),
+               fs::exists(machines) ? fmt::format("machines: {}\n", machines.string()) : "",
+               (*folder / "index.sqlite").string());
   });
+}
+
+/// Joins columns that were divided at a comma inside of brackets: on(chess, fps).
+std::vector<std::string> join_calls(const std::vector<std::string>& parts) {
+  std::vector<std::string> joined;
+  bool is_open = false;
+  for (const std::string& part : parts) {
+    if (is_open) {
+      joined.back() += "," + part;
+    } else {
+      joined.push_back(part);
+    }
+    is_open = joined.back().find('(') != std::string::npos && joined.back().find(')') == std::string::npos;
+  }
+  return joined;
 }
 
 void add_table(CLI::App& group) {
@@ -156,15 +176,18 @@ void add_table(CLI::App& group) {
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "table", "Print the points with their axes and metrics", o->folder);
   verb->add_option("--columns", o->columns,
-                   "columns to print: n, id, status, error, axes, report paths or unique ends of paths")
+                   "columns to print: n, id, status, error, axes, report paths or unique ends of paths, worst(PATH),\n"
+                   "mean(PATH), geomean(PATH), on(WORKLOAD, PATH)")
       ->delimiter(',')
       ->type_name("A,B,...");
+  verb->add_flag("--machines", o->machines, "one row per machine: its metrics over the list of workloads");
   verb->add_option("--sort", o->sort, "column to sort by; largest first with :desc")->type_name("COLUMN[:desc]");
   add_where(*verb, o->where);
   refuse_negative(*verb->add_option("--limit", o->limit, "maximum number of rows")->type_name("N"));
   verb->add_flag("--csv", o->csv, "print CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
   verb->callback([o] {
+    o->columns = join_calls(o->columns);
     print_results(
         o->folder, [&](const auto& r) { return results_table(r, *o); }, o->csv);
   });
@@ -176,7 +199,8 @@ void add_pareto(CLI::App& group) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "pareto", "Print the Pareto front of two metrics", o->folder);
-  verb->add_option("--x", o->x, "a metric; the prefix max: or min: gives its direction")
+  verb->add_option("--x", o->x,
+                   "a metric, or a function over workloads as of best; the prefix max: or min: gives its direction")
       ->required()
       ->type_name("[max:|min:]PATH");
   verb->add_option("--y", o->y, "the other metric")->required()->type_name("[max:|min:]PATH");
@@ -200,7 +224,9 @@ void add_sensitivity(CLI::App& group) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "sensitivity", "Print the effect of each axis on each metric", o->folder);
-  verb->add_option("--metric", o->metrics, "metric: a report path or a unique end of one (repeatable)")
+  verb->add_option(
+          "--metric", o->metrics,
+          "metric: a report path, a unique end of one, or a function over workloads such as worst(fps) (repeatable)")
       ->allow_extra_args(false)
       ->type_name("PATH");
   add_where(*verb, o->where);
@@ -219,8 +245,12 @@ void add_best(CLI::App& group) {
     bool band = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "best", "Print the best point by one metric", o->folder);
-  CLI::Option* most = verb->add_option("--max", o->most, "metric to maximise")->type_name("PATH");
+  CLI::App* verb = add_query(group, "best", "Print the best point or machine by one metric", o->folder);
+  CLI::Option* most =
+      verb->add_option(
+              "--max", o->most,
+              "metric to maximise; over several workloads worst(PATH), mean(PATH), geomean(PATH) or on(NAME, PATH)")
+          ->type_name("PATH");
   verb->add_option("--min", o->least, "metric to minimise")->type_name("PATH")->excludes(most);
   add_where(*verb, o->where);
   add_energy_option(*verb, o->band);

@@ -77,17 +77,21 @@ def load(folder):
     )
 
 
-def load_sweep(folder):
+def load_sweep(folder, machines=False):
     """Loads the results of a sweep: one row per point, by its number, with id, status, axes and values of its totals.
 
     Axis values with a unit are text, as in the sweep's file. `raywatt sweep collect` updates the results.
+    `machines`: one row per machine of a sweep over several workloads, with the aggregates of the main figures and all
+    values per workload: machines["worst(perf.fps)"], machines["on(chess, perf.fps)"].
     """
-    file = pathlib.Path(folder, "results.csv")
+    file = pathlib.Path(folder, "machines.csv" if machines else "results.csv")
+    if machines and pathlib.Path(folder, "results.csv").exists() and not file.exists():
+        raise ValueError(f"{file}: is not there; allowed: a sweep over several workloads, or machines=False")
     if not file.exists():
         raise ValueError(f"{file}: is not there; `raywatt sweep collect {folder}` writes it for a sweep or a search")
     # "NA" and "null" are values of axes; an empty cell is a missing value.
-    return FigureFrame(pandas.read_csv(file, index_col="n", float_precision="round_trip", keep_default_na=False,
-                                       na_values=[""]))
+    return FigureFrame(pandas.read_csv(file, index_col="machine" if machines else "n", float_precision="round_trip",
+                                       keep_default_na=False, na_values=[""]))
 
 
 def load_search(folder):

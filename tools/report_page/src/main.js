@@ -12,6 +12,7 @@ import { diffViews } from "./diff.js";
 import { runView } from "./run.js";
 import { sweepView } from "./sweep.js";
 import { sortableTable } from "./table.js";
+import { workloadBars } from "./workloads.js";
 import { readLibraries } from "./lib.js";
 import * as state from "./state.js";
 import * as theme from "./theme.js";
@@ -41,6 +42,7 @@ const DRAWERS = {
   series,
   points: pointsTable,
   parallel,
+  workloads: workloadBars,
 };
 
 function section(part, view) {

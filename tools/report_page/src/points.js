@@ -4,6 +4,7 @@ import { frame } from "./block.js";
 import { drawn, whenNear } from "./chart.js";
 import { records, saveSpec } from "./files.js";
 import { shown } from "./format.js";
+import { capital } from "./model.js";
 import { sortableTable } from "./table.js";
 import * as state from "./state.js";
 
@@ -30,7 +31,7 @@ export function frontOf(points, x, y) {
 }
 
 const listeners = [];
-const chosenRow = () => (state.get("point") === "" ? null : Number(state.get("point")));
+export const chosenRow = () => (state.get("point") === "" ? null : Number(state.get("point")));
 function choose(i) {
   state.set({ point: i === chosenRow() ? "" : String(i) });
 }
@@ -72,7 +73,7 @@ export function scatter(block, data) {
         { mark: { type: "point", filled: true, cursor: "pointer" },
           encoding: { color: colour, opacity: { value: 0.92 },
             size: { condition: { test: "datum.place === 'on the front'", value: 90 }, value: 42 },
-            tooltip: [{ field: "n", title: "point" }, { field: "x", title: x().name, format: ".4~g" }, { field: "y", title: y().name, format: ".4~g" }, { field: "axes", title: "axes" }] } },
+            tooltip: [{ field: "n", title: block.noun }, { field: "x", title: x().name, format: ".4~g" }, { field: "y", title: y().name, format: ".4~g" }, { field: "axes", title: "axes" }] } },
         { transform: [{ filter: "datum.chosen" }], mark: { type: "point", size: 260, strokeWidth: 2, color: INK } },
       ],
     };
@@ -80,7 +81,7 @@ export function scatter(block, data) {
   /** Returns the points in the scatter plot, for the table and the download. */
   function shownRows() {
     const both = [["x", x()], ["y", y()]].map(([field, m]) => ({ ...data.columns.find((c) => c.field === m.field), field }));
-    const columns = [{ field: "n", title: "point", show: "number" }, ...both, { field: "place", title: "place", show: "text" }, { field: "axes", title: "axes", show: "text" }];
+    const columns = [{ field: "n", title: block.noun, show: "number" }, ...both, { field: "place", title: "place", show: "text" }, { field: "axes", title: "axes", show: "text" }];
     return { columns, rows: rows().map((row) => columns.map((c) => row[c.field])) };
   }
   let drawing = null;
@@ -110,10 +111,10 @@ function details(block, data, points) {
   const box = h("div", { class: "details", role: "status" });
   function show() {
     const p = points[chosenRow() ?? -1];
-    if (!p) return box.replaceChildren(h("p", { class: "note" }, "No point is chosen."));
+    if (!p) return box.replaceChildren(h("p", { class: "note" }, `No ${block.noun} is chosen.`));
     const copy = h("button", { type: "button", onclick: async () => { await navigator.clipboard?.writeText(p.command); copy.textContent = "Copied"; } }, "Copy");
     const items = [...block.axes.map((a) => [a.field, p[a.field]]), ...block.metrics.map((m) => [m.name, shown(p[m.field], data.columns.find((c) => c.field === m.field))])];
-    box.replaceChildren(h("h4", {}, `Point ${p.n}`),
+    box.replaceChildren(h("h4", {}, `${capital(block.noun)} ${p.n}`),
       h("dl", {}, items.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value)))),
       p.error && h("p", {}, p.error),
       h("p", { class: "command" }, h("code", {}, p.command), " ", copy));
@@ -179,7 +180,7 @@ export function parallel(block, data) {
         encoding: {
           detail: { field: "row" },
           color: { field: "kind", type: "nominal", title: null, scale: { domain: ["other", "on the front", "chosen"], range: [REST, ACCENT, WAIT] }, legend: { orient: "bottom", symbolType: "stroke", symbolOpacity: 1, symbolStrokeWidth: 2 } },
-          tooltip: [{ field: "n", title: "point" }],
+          tooltip: [{ field: "n", title: block.noun }],
         } })),
       ...[{ stroke: GROUND, strokeWidth: 3.5, strokeJoin: "round" }, {}].map((halo) => (
         { data: { values: ends }, mark: { type: "text", align: "left", dx: 6, dy: -6, color: INK, fontSize: 11, ...halo }, encoding: { text: { field: "text" } } })),

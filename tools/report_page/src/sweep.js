@@ -9,8 +9,8 @@ function shareText({ share, low, high }) {
 }
 
 /** Returns a sentence on the axis that explains most of a metric, or on the two that cannot be distinguished. */
-function decisionText({ points, is_grid: isGrid, effects: [first, second] }, metric) {
-  const all = `${counted(points, "point")}${isGrid ? "" : " (not a full grid)"}`;
+function decisionText({ points, is_grid: isGrid, effects: [first, second] }, metric, noun) {
+  const all = `${counted(points, noun)}${isGrid ? "" : " (not a full grid)"}`;
   if (second && first.low <= second.high) {
     return `${all} cannot show whether ${metric} depends most on ${first.axis} or on ${second.axis}: ` +
       `${first.axis} explains ${shareText(first)}, ${second.axis} ${shareText(second)}.`;
@@ -24,23 +24,23 @@ function addHeadlines(data, points, done, view) {
     const values = done.map((p) => p[field]).filter((v) => typeof v === "number");
     view.headlines.push(headline({ id: field, name: capital(metric.name), value: best[field], show: metric.show, unit: metric.unit,
       low: Math.min(...values), high: Math.max(...values),
-      note: `the ${metric.more ? "most" : "least"} of ${data.has_constraints ? "eligible" : "all"} points, of point ${best.n}; range over all points` }));
+      note: `the ${metric.more ? "most" : "least"} of ${data.has_constraints ? "eligible" : "all"} ${data.noun}s, of ${data.noun} ${best.n}; range over all ${data.noun}s` }));
   }
 }
 
 function addVerdict(data, points, done, view) {
   const metric = data.metrics.find((m) => m.field === data.headlines[0]), row = metric && data.best[metric.field];
   if (row === undefined) {
-    view.verdict = { sentence: done.length > 0 && data.has_constraints ? "No point that has a result meets the constraints." : "No point of this sweep has a result yet.",
-      more: "", links: [{ words: "the points", to: "front" }] };
+    view.verdict = { sentence: done.length > 0 && data.has_constraints ? `No ${data.noun} that has a result meets the constraints.` : `No ${data.noun} of this sweep has a result yet.`,
+      more: "", links: [{ words: `the ${data.noun}s`, to: "front" }] };
     return;
   }
   const best = points[row], value = best[metric.field], found = data.sensitivities.find((s) => s.metric === metric.field);
   const axes = data.axes.map((a) => `${a.field} ${best[a.field]}`).join(", ");
   const amount = Math.abs(value) >= 1e4 ? short(value) : digits(value);
   const links = [{ words: "the front", to: "front" }, { words: "what each axis does", to: "sensitivity" }];
-  view.verdict = { sentence: found ? decisionText(found, metric.name) : `No axis changes ${metric.name}.`,
-    more: `Best: point ${best.n} with ${amount} ${metric.unit || metric.name} (${axes})${data.ties}.`, links: found ? links : links.slice(0, 1) };
+  view.verdict = { sentence: found ? decisionText(found, metric.name, data.noun) : `No axis changes ${metric.name}.`,
+    more: `Best: ${data.noun} ${best.n} with ${amount} ${metric.unit || metric.name} (${axes})${data.ties}.`, links: found ? links : links.slice(0, 1) };
 }
 
 function addLimits(data, points, done, view) {
@@ -54,16 +54,26 @@ function addLimits(data, points, done, view) {
 }
 
 function addPoints(data, view) {
-  const shared = { data: "points", axes: data.axes, metrics: data.metrics };
-  view.sections.push(section("front", "Points and their front",
-    `A point is on the front if no other ${data.has_constraints ? "that meets the constraints " : ""}is as good in both figures and better in one. ` +
-    "A click on a point, or on its row below, shows the command that runs it again.",
-    data.start && { type: "scatter", id: "scatter", title: "All points", ...shared, start: data.start, about: "All points by two figures, with those on the front" },
-    { type: "points", id: "points", title: "Points", ...shared }));
+  const { noun } = data, title = `${capital(noun)}s`;
+  const shared = { data: "points", axes: data.axes, metrics: data.metrics, noun };
+  view.sections.push(section("front", `${title} and their front`,
+    `A ${noun} is on the front if no other ${data.has_constraints ? "that meets the constraints " : ""}is as good in both figures and better in one. ` +
+    `A click on a ${noun}, or on its row below, shows the ${data.workloads ? "commands that run" : "command that runs"} it again.`,
+    data.start && { type: "scatter", id: "scatter", title: `All ${noun}s`, ...shared, start: data.start, about: `All ${noun}s by two figures, with those on the front` },
+    { type: "points", id: "points", title, ...shared }));
   if (!data.start || data.axes.length < 2) return;
   view.sections.push(section("parallel", "Parallel axes",
-    "A line is a point, from axis to axis and to its figures. The filter of the table above applies here, too.",
-    { type: "parallel", id: "parallel-axes", title: "All points over axes and figures", ...shared, start: data.start, about: "Each point as a line over its axes and figures" }));
+    `A line is a ${noun}, from axis to axis and to its figures. The filter of the table above applies here, too.`,
+    { type: "parallel", id: "parallel-axes", title: `All ${noun}s over axes and figures`, ...shared, start: data.start, about: `Each ${noun} as a line over its axes and figures` }));
+}
+
+function addWorkloads(data, view) {
+  const { workloads } = data;
+  if (!workloads || workloads.figures.length === 0) return;
+  const best = data.best[data.headlines[0]] ?? null;
+  view.sections.push(section("workloads", "On each workload",
+    `Every machine is evaluated on ${workloads.names.length} workloads. The bars show the best machine${data.headlines[0] ? `, by ${data.metrics.find((m) => m.field === data.headlines[0]).name}` : ""}, and the one that is chosen above.`,
+    { type: "workloads", id: "workload-bars", title: "Machines on each workload", data: "points", ...workloads, best, about: "A figure of the best and of the chosen machine on each workload" }));
 }
 
 function addSensitivities(data, view) {
@@ -73,9 +83,9 @@ function addSensitivities(data, view) {
     ["high", "95 % to", "percent"], ["range", "range of means", "percent"], ["levels", "values", "number"]], rows);
   const isGrid = data.sensitivities.every((s) => s.is_grid);
   view.sections.push(section("sensitivity", "What each axis does on its own",
-    "The share of a figure's variance over all points that an axis explains, averaged over all other axes. The remainder to 100 % is noise and the combined effect of axes.",
+    `The share of a figure's variance over all ${data.noun}s that an axis explains, averaged over all other axes. The remainder to 100 % is noise and the combined effect of axes.`,
     rows.length === 0 ? text("No figure changes with any axis.")
-      : [!isGrid && text("The points are not a full grid: shares are estimates."),
+      : [!isGrid && text(`The ${data.noun}s are not a full grid: shares are estimates.`),
         chart("shares", "Shares of variance", "Share of the variance of each figure that each axis explains", "sensitivity", { kind: "sensitivity" }),
         table("shares-table", "Shares with their intervals", "sensitivity")]));
 }
@@ -92,7 +102,8 @@ export function sweepView(data) {
   const done = points.filter((p) => p.status === "done");
 
   if (data.question) view.facts.push({ name: "Question", value: data.question });
-  view.facts.push({ name: "Points", value: done.length === points.length ? `${points.length}` : `${done.length} of ${points.length}` },
+  if (data.workloads) view.facts.push({ name: "Workloads", value: data.workloads.names.join(", ") });
+  view.facts.push({ name: `${capital(data.noun)}s`, value: done.length === points.length ? `${points.length}` : `${done.length} of ${points.length}` },
     { name: "Axes", value: data.axes.map((a) => a.field).join(", ") || "none" });
   if (data.goals.length > 0) view.facts.push({ name: "Goals", value: data.goals.join(", ") });
   view.notices = data.notices;
@@ -100,6 +111,7 @@ export function sweepView(data) {
   addLimits(data, points, done, view);
   addHeadlines(data, points, done, view);
   addPoints(data, view);
+  addWorkloads(data, view);
   addSensitivities(data, view);
   return view;
 }

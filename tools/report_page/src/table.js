@@ -36,12 +36,22 @@ const compare = (a, b) => {
   return String(a).localeCompare(String(b), "en", { numeric: true });
 };
 
+const plainName = (name) => name.replaceAll(" ", "").replaceAll("totals.", "");
+
+/** True if a typed name denotes a column's name: its end, or a function of such an end, as worst(fps). */
+function denotes(typed, name) {
+  const [short, whole] = [plainName(typed), plainName(name)];
+  const inner = short.match(/^(.*[(,])([^(),]+)\)$/);
+  if (whole === short || whole.endsWith("." + short)) return true;
+  return inner !== null && whole.startsWith(inner[1]) && whole.endsWith(`.${inner[2]})`);
+}
+
 /** A filter of words and comparisons such as fps>=100. A row passes if it contains all words and meets all comparisons. */
 export function filterOf(text, columns) {
   const tests = [];
-  for (const word of text.trim().split(/\s+/).filter(Boolean)) {
+  for (const word of text.match(/[^\s(]*\([^)]*\)\S*|\S+/g) ?? []) {
     const found = word.match(/^([^<>=!]+)(<=|>=|!=|=|<|>)(.+)$/);
-    const column = found && columns.find((c) => [c.field, c.title].some((n) => n === found[1] || n.endsWith("." + found[1])));
+    const column = found && columns.find((c) => [c.field, c.title].some((n) => denotes(found[1], n)));
     if (!column) {
       const low = word.toLowerCase();
       tests.push((row) => columns.some((c) => String(row[c.i] ?? "").toLowerCase().includes(low)));

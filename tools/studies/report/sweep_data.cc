@@ -15,7 +15,9 @@
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/results/sensitivity.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 #include "tools/studies/sweep/spec/spec.h"
 #include "tools/studies/sweep/store/store.h"
 
@@ -28,8 +30,16 @@ using results::Value;
 using sim::Json;
 
 constexpr std::size_t kLongestText = 4000;
-constexpr const char* kHeadlines[] = {"totals.perf.frames_per_joule_gpu", "totals.perf.fps", "totals.energy_mj.nominal",
-                                      "totals.power_w.nominal", "totals.cycles"};
+const std::vector<std::string> kHeadlines = {"totals.perf.frames_per_joule_gpu", "totals.perf.fps",
+                                             "totals.energy_mj.nominal", "totals.power_w.nominal", "totals.cycles"};
+const std::vector<std::string> kSetHeadlines = {"geomean(totals.perf.frames_per_joule_gpu)", "geomean(totals.perf.fps)",
+                                                "worst(totals.perf.fps)", "worst(totals.power_w.nominal)",
+                                                "worst(totals.psnr_db)"};
+/// Metrics of the scatter of a sweep, in order of preference.
+const std::vector<std::string> kStart = {"totals.power_w.nominal", "totals.perf.fps", "totals.cycles",
+                                         "totals.energy_mj.nominal"};
+const std::vector<std::string> kSetStart = {"worst(totals.power_w.nominal)", "worst(totals.perf.fps)",
+                                            "geomean(totals.energy_mj.nominal)"};
 
 /// A metric that the page of a sweep shows. `show`: number format used by the page's script.
 struct Metric {
@@ -54,6 +64,23 @@ const std::vector<Metric> kUsualMetrics = {{"totals.perf.fps", "frame rate", "nu
                                            {"totals.psnr_db", "PSNR", "number", "dB"},
                                            {"totals.relative.speedup", "speed against reference", "number", "×"},
                                            {"totals.traced_ratio", "samples traced", "percent"}};
+
+/// A metric of a page of machines. `per_workload`: also shown on each workload.
+struct SetFigure {
+  Metric metric;
+  bool per_workload = false;
+};
+const std::vector<SetFigure> kSetFigures = {
+    {{"totals.perf.fps", "frame rate", "number", "frames/s"}, true},
+    {{"totals.fps_margin", "margin to the target rate", "number", "×"}},
+    {{"totals.power_w.nominal", "power", "number", "W"}, true},
+    {{"totals.power_at_fps_w.nominal", "power at the target rate", "number", "W"}, true},
+    {{"totals.energy_mj.nominal", "energy", "number", "mJ"}},
+    {{"totals.perf.frames_per_joule_gpu", "frames per joule"}, true},
+    {{"totals.dram_bytes", "DRAM traffic", "si", "B"}},
+    {{"totals.psnr_db", "PSNR", "number", "dB"}, true},
+    {{"totals.worst_psnr_db", "PSNR of the worst frame", "number", "dB"}},
+    {{"totals.area_mm2", "area", "number", "mm²"}}};
 
 /// Reads the task of a search from its folder. Returns nothing for a sweep, whose file has another schema.
 std::optional<optimise::Task> task_in(const fs::path& folder) {
@@ -80,12 +107,13 @@ class Sweep {
         results_(results),
         points_(sweep::SweepFolder::open(folder).read_points()),
         task_(task_in(folder)),
-        axes_(results.varying_axes()) {
+        rows_{results.machines().is_set(), {}},
+        axes_(rows_.varying_axes(results)) {
     if (points_.size() != results.rows().size() ||
         !std::ranges::equal(points_, results.rows(), {}, &sweep::Point::id, &results::Row::id)) {
       throw sim::InputError(folder.string() + ": has other points than its index; run 'raywatt sweep collect'");
     }
-    std::vector<Metric> candidates = kUsualMetrics;
+    std::vector<Metric> candidates = rows_.by_machine ? set_metrics() : kUsualMetrics;
     for (const optimise::Goal& goal : goals()) {
       const std::string path = resolve_metric(goal.metric);
       goal_paths_.push_back(path);
@@ -101,18 +129,20 @@ class Sweep {
     const std::optional<std::size_t> best = main != nullptr ? best_row(*main) : std::nullopt;
     std::vector<const Metric*> shown_metrics;
     if (main != nullptr) shown_metrics.push_back(main);
-    add_metrics_at(kHeadlines, shown_metrics);
+    add_metrics_at(headlines(), shown_metrics);
     Json headline_fields = Json::array(), best_rows = Json::object(), sensitivities = Json::array(),
          texts = Json::array();
     for (const Metric* const metric : shown_metrics) {
       headline_fields.push_back(metric->path);
-      if (const auto row = best_row(*metric)) best_rows[metric->path] = *row;
+      if (const auto row = best_row(*metric)) best_rows[metric->path] = index_of(*row);
       if (Json found = sensitivity_json(*metric); !found.is_null()) sensitivities.push_back(std::move(found));
     }
     for (const optimise::Goal& goal : goals()) texts.push_back(goal.text());
     return {{"name", sim::printable(fs::absolute(folder_ / "x").parent_path().filename().string(), kLongestText)},
             {"question", sim::printable(task_ ? task_->space.question : question_in(folder_), kLongestText)},
             {"goals", std::move(texts)},
+            {"noun", rows_.noun()},
+            {"workloads", workloads_json()},
             {"axes", axes_json()},
             {"metrics", metrics_json()},
             {"points", points_json()},
@@ -132,6 +162,46 @@ class Sweep {
     return task_ ? task_->goals : kNone;
   }
   const std::vector<results::Row>& index_rows() const { return results_.rows(); }
+  const std::vector<std::string>& headlines() const { return rows_.by_machine ? kSetHeadlines : kHeadlines; }
+
+  /// Returns the metrics of a page of machines: those of the machine, aggregates, and metrics on each workload.
+  std::vector<Metric> set_metrics() const {
+    std::vector<Metric> metrics;
+    const auto add = [&](const Metric& of, const std::string& path, const std::string& words) {
+      metrics.push_back({path, words, of.show, of.unit});
+    };
+    for (const auto& [metric, per_workload] : kSetFigures) {
+      if (sweep::is_metric_of_machine(metric.path)) {
+        metrics.push_back(metric);
+        continue;
+      }
+      add(metric, fmt::format("worst({})", metric.path), metric.words + ", worst");
+      add(metric, fmt::format("geomean({})", metric.path), metric.words + ", geomean");
+      if (!per_workload) continue;
+      for (const std::string& workload : results_.machines().workloads) {
+        add(metric, path_on(workload, metric.path), fmt::format("{} on {}", metric.words, sim::printable(workload)));
+      }
+    }
+    return metrics;
+  }
+  static std::string path_on(const std::string& workload, const std::string& path) {
+    return fmt::format("on({}, {})", workload, path);
+  }
+  /// Rows that the page lists: all points, or the first point of each machine.
+  std::vector<std::size_t> listed_rows() const {
+    std::vector<std::size_t> rows;
+    const results::MachineSet& machines = results_.machines();
+    for (std::size_t machine = 0; machine < machines.rows.size(); ++machine)
+      rows.push_back(machines.first_row(machine));
+    return rows;
+  }
+  /// Index of a row among listed_rows().
+  std::size_t index_of(std::size_t row) const { return results_.machines().machine_of[row]; }
+  Json indices_of(const std::vector<std::size_t>& rows) const {
+    Json indices = Json::array();
+    for (const std::size_t row : rows) indices.push_back(index_of(row));
+    return indices;
+  }
 
   /// Returns the full report path of a metric; empty if no point has the metric.
   std::string resolve_metric(const std::string& name) const {
@@ -162,7 +232,7 @@ class Sweep {
   /// Marks the points that may be best or on the Pareto front: those with results that meet all constraints.
   void find_eligible() {
     for (const results::Row& row : index_rows()) done_.push_back(row.is_done());
-    eligible_ = done_;
+    eligible_ = rows_.by_machine ? results_.machines().with_all_points(done_) : done_;
     for (std::size_t g = 0; g < goals().size(); ++g) {
       if (goals()[g].is_objective()) continue;
       has_constraints_ = true;
@@ -194,7 +264,7 @@ class Sweep {
     if (!goal_paths_.empty()) {
       if (const Metric* const first = metric_at(goal_paths_[0])) return first;
     }
-    const Metric* const usual = metric_at(kHeadlines[0]);
+    const Metric* const usual = metric_at(headlines()[0]);
     return usual != nullptr || metrics_.empty() ? usual : &metrics_.front();
   }
   /// Returns the row of the best eligible point in a metric. Goals and headline metrics break ties, so that the point
@@ -202,7 +272,7 @@ class Sweep {
   std::optional<std::size_t> best_row(const Metric& metric) const {
     std::vector<const Metric*> order = {&metric};
     add_metrics_at(goal_paths_, order);
-    add_metrics_at(kHeadlines, order);
+    add_metrics_at(headlines(), order);
     std::optional<std::size_t> best;
     std::vector<double> best_scores;
     for (const std::size_t row : candidates_of(metric)) {
@@ -257,19 +327,42 @@ class Sweep {
     }
     return out;
   }
+  /// Returns the workloads, and the fields of each metric that is shown per workload; null without a set.
+  Json workloads_json() const {
+    if (!rows_.by_machine) return {};
+    Json names = Json::array(), figures = Json::array();
+    for (const std::string& workload : results_.machines().workloads) names.push_back(sim::printable(workload));
+    for (const auto& [metric, per_workload] : kSetFigures) {
+      Json fields = Json::array();
+      for (const std::string& workload : results_.machines().workloads) {
+        const Metric* const on = metric_at(path_on(workload, metric.path));
+        if (on != nullptr) fields.push_back(on->path);
+      }
+      if (fields.size() != names.size()) continue;
+      figures.push_back({{"name", metric.words}, {"show", metric.show}, {"unit", metric.unit}, {"fields", fields}});
+    }
+    return {{"names", std::move(names)}, {"figures", std::move(figures)}};
+  }
   Json points_json() const {
-    const results::Column errors = results_.column("error");
+    const results::Column errors = results_.column("error"), numbers = rows_.numbers(results_);
+    const results::Column status = rows_.by_machine ? results::machine_status(results_) : results_.column("status");
     Json out = Json::array();
-    for (std::size_t i = 0; i < index_rows().size(); ++i) {
-      Json cells = Json::array({index_rows()[i].n, std::string(name_of(index_rows()[i].status))});
+    for (const std::size_t i : listed_rows()) {
+      Json cells = Json::array({std::get<std::int64_t>(numbers.values[i]), results::exact_text(status.values[i])});
       for (const results::Column& axis : axes_) cells.push_back(sim::printable(results::exact_text(axis.values[i])));
       for (const Metric& metric : metrics_) {
         const auto value = value_of(metric, i);
         cells.push_back(value ? Json(*value) : Json());
       }
       cells.push_back(bool{eligible_[i]});
-      cells.push_back(sim::printable(results::exact_text(errors.values[i]), kLongestText));
-      cells.push_back(sim::printable(command_text(points_[i].run_options().argv), kLongestText));
+      std::string error, command;
+      for (const std::size_t point : rows_.points_of(results_, {i})) {
+        const std::string text = results::exact_text(errors.values[point]);
+        if (!text.empty()) error += fmt::format("{}{}", error.empty() ? "" : "; ", text);
+        command += fmt::format("{}{}", command.empty() ? "" : " && ", command_text(points_[point].run_options().argv));
+      }
+      cells.push_back(sim::printable(error, kLongestText));
+      cells.push_back(sim::printable(command, kLongestText));
       out.push_back(std::move(cells));
     }
     return out;
@@ -306,9 +399,9 @@ class Sweep {
     if (!noise.is_noisy() || candidates.size() < 2) return {};
     const std::size_t ties = results::find_ties(noise, metric.more_is_better, candidates, best).size();
     return fmt::format("; {} with it ({})",
-                       ties == 0   ? "no point ties"
-                       : ties == 1 ? "1 point ties"
-                                   : fmt::format("{} points tie", ties),
+                       ties == 0   ? fmt::format("no {} ties", rows_.noun())
+                       : ties == 1 ? fmt::format("1 {} ties", rows_.noun())
+                                   : fmt::format("{} {}s tie", ties, rows_.noun()),
                        noise.describe());
   }
   /// Returns the initial scatter plot: its two metrics, their Pareto front, and the points that equal the front within
@@ -318,8 +411,7 @@ class Sweep {
     for (std::size_t g = 0; g < goals().size(); ++g) {
       if (goals()[g].is_objective()) add_metrics_at(std::vector{goal_paths_[g]}, first);
     }
-    add_metrics_at(
-        std::vector{"totals.power_w.nominal", "totals.perf.fps", "totals.cycles", "totals.energy_mj.nominal"}, first);
+    add_metrics_at(rows_.by_machine ? kSetStart : kStart, first);
     if (first.empty()) return {};
     if (first.size() == 1) first.push_back(first[0]);
     if (task_) std::swap(first[0], first[1]);
@@ -337,7 +429,7 @@ class Sweep {
       front = found.rows;
       near = results::find_near_front(x, y, x_noise, y_noise, found, {});
     }
-    return {{"x", first[0]->path}, {"y", first[1]->path}, {"front", front}, {"near", near}};
+    return {{"x", first[0]->path}, {"y", first[1]->path}, {"front", indices_of(front)}, {"near", indices_of(near)}};
   }
   /// Returns the effect of each axis on a metric; null if the metric does not vary.
   Json sensitivity_json(const Metric& metric) const {
@@ -365,13 +457,16 @@ class Sweep {
   Json notices_json(std::optional<std::size_t> best) const {
     Json out = Json::array();
     if (const std::string missing = results_.missing_text(); !missing.empty()) out.push_back(missing);
-    if (best) {
-      const results::Row& row = index_rows()[*best];
+    const auto points = best ? rows_.points_of(results_, {*best}) : std::vector<std::size_t>();
+    for (const std::size_t point : points) {
+      const results::Row& row = index_rows()[point];
+      const std::string name =
+          rows_.by_machine ? fmt::format("Best machine, point {}", row.n) : fmt::format("Best point, {}", row.n);
       try {
         for (const std::string& line : results::extrapolation_lines(load_report(results_.folder_of(row)).json))
-          out.push_back(sim::printable(fmt::format("Best point, {}: {}", row.n, line), kLongestText));
+          out.push_back(sim::printable(fmt::format("{}: {}", name, line), kLongestText));
       } catch (const sim::InputError&) {
-        out.push_back(fmt::format("Best point, {}: its report cannot be read.", row.n));
+        out.push_back(fmt::format("{}: its report cannot be read.", name));
       }
     }
     std::string note = results::extrapolated_note(results_, done_rows());
@@ -385,10 +480,12 @@ class Sweep {
   std::vector<sweep::Point> points_;
   std::optional<optimise::Task> task_;   ///< the task of a search; none for a sweep
   std::vector<std::string> goal_paths_;  ///< report path of each goal's metric; empty if no point has it
+  results::RankedRows rows_;             ///< points, or machines of a set of workloads
   std::vector<results::Column> axes_;    ///< axes that have more than one value
   std::vector<Metric> metrics_;          ///< metrics that at least one point has
   std::vector<results::Column> values_;  ///< values of each metric at all points; means of replicates
-  std::vector<bool> done_, eligible_;    ///< for each point: has a result; meets all constraints
+  std::vector<bool> done_;               ///< for each point: has a result
+  std::vector<bool> eligible_;           ///< for each row: the point or machine meets all constraints
   bool has_constraints_ = false;
 };
 

@@ -158,8 +158,9 @@ void print_summary(const sweep::BatchEnd& end, const fs::path& out) {
                end.workers == 1 ? "" : "s", 100 * end.busy);
   }
   const std::string folder = sim::printable(command_text({out.string()}), 4096);
-  fmt::print("results: {}\nnext:    raywatt sweep table {}, or raywatt report {} -o sweep.html\n",
-             (out / "results.csv").string(), folder, folder);
+  const bool is_set = fs::exists(out / "machines.csv");
+  fmt::print("results: {}\nnext:    raywatt sweep table {}{}, or raywatt report {} -o sweep.html\n",
+             (out / "results.csv").string(), folder, is_set ? " --machines" : "", folder);
 }
 
 }  // namespace

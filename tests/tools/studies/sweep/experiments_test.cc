@@ -22,8 +22,8 @@ std::vector<fs::path> experiments() {
   return files;
 }
 
-TEST(Experiments, AreFiveEachWithAQuestionAndSoundPoints) {
-  ASSERT_EQ(experiments().size(), 6U);
+TEST(Experiments, EachHaveAQuestionAndSoundPoints) {
+  ASSERT_GE(experiments().size(), 7U);
   for (const fs::path& file : experiments()) {
     const Spec spec = read_spec(file);
     EXPECT_TRUE(spec.question.ends_with("?")) << file;

@@ -15,20 +15,24 @@
 #include "tools/analysis/report_file.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/results/results.h"
 #include "tools/studies/sweep/results/sensitivity.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 
 namespace tools::results {
 namespace {
 
 constexpr std::size_t kShownTies = 20;
+constexpr std::size_t kLongestCommand = 4096;
 constexpr double kLittle = 0.05;  // share of the variance below which an axis matters little
 
 /// Returns a table of `rows`, the best point and the points that tie with it, with the axes in which they differ.
-std::string tie_table(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& rows) {
+std::string tie_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+                      const std::vector<std::size_t>& rows) {
   std::vector<Column> columns;
-  std::vector<std::string> header = {"point"};
-  for (const Column& axis : results.varying_axes()) {
+  std::vector<std::string> header = {ranked.noun()};
+  for (const Column& axis : ranked.varying_axes(results)) {
     const Value& first = axis.values[rows.front()];
     if (std::ranges::all_of(rows, [&](std::size_t r) { return axis.values[r] == first; })) continue;
     columns.push_back(axis);
@@ -43,7 +47,7 @@ std::string tie_table(const Results& results, const FigureNoise& noise, const st
   std::vector<std::vector<std::string>> cells;
   for (const Column& column : columns) cells.push_back(shown_cells(column, listed));
   for (std::size_t i = 0; i < listed.size(); ++i) {
-    std::vector<std::string> line = {std::to_string(results.rows()[listed[i]].n)};
+    std::vector<std::string> line = {std::to_string(ranked.number_of(results, listed[i]))};
     for (const std::vector<std::string>& column : cells) line.push_back(column[i]);
     line.push_back(interval_text(noise, listed[i]));
     table.add_row(std::move(line));
@@ -55,10 +59,10 @@ std::string tie_table(const Results& results, const FigureNoise& noise, const st
 /// 1. All values tie: the axis does not matter if it surely explains less than 5 % of the variance; otherwise noise
 ///    hides its best value.
 /// 2. Not all values tie: the axis matters, or matters little if it explains less than 5 % of the variance.
-std::string axis_table(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
-                       const std::vector<std::size_t>& ties) {
+std::string axis_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+                       const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& ties) {
   std::vector<bool> selected(results.rows().size());
-  for (const std::size_t row : candidates) selected[row] = true;
+  for (const std::size_t row : ranked.points_of(results, candidates)) selected[row] = true;
   sim::Table table({"axis", "values that tie", "of", "share of variance", "95 %"});
   std::vector<std::string> matter, little, do_not, hidden;
   const Sensitivity sensitivity = find_sensitivity(results, noise.means().name, selected);
@@ -77,7 +81,7 @@ std::string axis_table(const Results& results, const FigureNoise& noise, const s
                    effect.interval_text()});
   }
   std::string out = "\n" + table.text();
-  if (!sensitivity.is_grid) out += fmt::format("the points are {}\n", kNoGrid);
+  if (!sensitivity.is_grid) out += fmt::format("the {}s are {}\n", ranked.noun(), kNoGrid);
   out += "\n";
   if (!matter.empty()) out += fmt::format("matters for the first place: {}\n", fmt::join(matter, ", then "));
   if (!little.empty()) {
@@ -93,20 +97,21 @@ std::string axis_table(const Results& results, const FigureNoise& noise, const s
 
 /// Returns text on the tied points: the axes in which they differ, and for each axis its values among them and the
 /// share of the variance over all candidates that it explains.
-std::string ties_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
-                      std::size_t first, const std::vector<std::size_t>& ties) {
+std::string ties_text(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+                      const std::vector<std::size_t>& candidates, std::size_t first,
+                      const std::vector<std::size_t>& ties) {
   std::vector<std::size_t> rows = {first};
   rows.insert(rows.end(), ties.begin(), ties.end());
   std::string out;
   if (ties.empty()) {
-    out = "no other point ties with it (95 %, all points together)";
+    out = fmt::format("no other {0} ties with it (95 %, all {0}s together)", ranked.noun());
   } else {
-    out = fmt::format("{} point{} with it (95 %, all points together)", ties.size(),
+    out = fmt::format("{0} {1}{2} with it (95 %, all {1}s together)", ties.size(), ranked.noun(),
                       ties.size() == 1 ? " ties" : "s tie");
   }
   out += fmt::format("; {}\n", noise.describe());
-  if (!ties.empty()) out += "\n" + tie_table(results, noise, rows);
-  return out + axis_table(results, noise, candidates, rows);
+  if (!ties.empty()) out += "\n" + tie_table(results, ranked, noise, rows);
+  return out + axis_table(results, ranked, noise, candidates, rows);
 }
 
 }  // namespace
@@ -162,21 +167,82 @@ std::string figure_text(const Results& results, const Column& figure, std::size_
 }
 
 /// Returns a line for each figure of a point: the metric, and the figures that conditions compare.
-Lines figure_lines(const Results& results, const Column& metric, const BestOptions& options, std::size_t row) {
+Lines figure_lines(const Results& results, const RankedRows& ranked, const Column& metric, const BestOptions& options,
+                   std::size_t row) {
   Lines lines = {{shown_name(metric), figure_text(results, metric, row)}};
   for (const std::string& path : compared_paths(options.where)) {
-    const Column column = results.column(path);
+    const Column column = results.column(path, options.more_is_better);
     const auto is_this = [&](const auto& line) { return line.first == shown_name(column); };
     const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
-    if (is_axis || std::ranges::any_of(lines, is_this)) continue;
+    const bool is_per_workload =
+        ranked.by_machine && !column.fold && !sweep::is_metric_of_machine(column.name);  // in workload_table()
+    if (is_axis || is_per_workload || std::ranges::any_of(lines, is_this)) continue;
     lines.emplace_back(shown_name(column), figure_text(results, column, row));
+  }
+  return lines;
+}
+
+/// Returns a table of a machine's metrics on each workload: the ranked metric and those that conditions compare.
+std::string workload_table(const Results& results, const Column& metric, const BestOptions& options, std::size_t row) {
+  const MachineSet& machines = results.machines();
+  std::vector<Column> columns;
+  const auto add = [&](const Column& column) {
+    Column points = column.fold ? column.fold->points : column;
+    const bool is_known = std::ranges::find(columns, points.name, &Column::name) != columns.end();
+    const bool is_axis = std::ranges::find(results.axes(), points.name) != results.axes().end();
+    if (!is_known && !is_axis && !sweep::is_metric_of_machine(points.name)) columns.push_back(std::move(points));
+  };
+  add(metric);
+  for (const std::string& path : compared_paths(options.where)) add(results.column(path, options.more_is_better));
+  std::vector<std::string> header = {"workload", "point"};
+  for (const Column& column : columns) header.push_back(shown_name(column));
+  sim::Table table(header);
+  for (std::size_t w = 0; w < machines.workloads.size(); ++w) {
+    const std::optional<std::size_t> point = machines.rows[machines.machine_of[row]][w];
+    if (!point) continue;
+    std::vector<std::string> line = {sim::printable(machines.workloads[w]), std::to_string(results.rows()[*point].n)};
+    for (const Column& column : columns) {
+      line.push_back(is_absent(column.values[*point]) ? "-" : figure_text(results, column, *point));
+    }
+    table.add_row(std::move(line));
+  }
+  return table.text();
+}
+
+/// Returns the lines that name a machine or a point: axes, settings, id, configuration and commands that run it again.
+Lines origin_lines(const Results& results, std::span<const sweep::Point> points, const RankedRows& ranked,
+                   std::size_t row) {
+  Lines lines;
+  const MachineSet& machines = results.machines();
+  for (const std::string& axis : results.axes()) {
+    if (ranked.by_machine && !machines.is_axis(axis)) continue;
+    const Value value = results.column(axis).values[row];
+    if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));
+  }
+  if (!points[row].sets.empty()) {
+    lines.emplace_back("settings", sim::printable(settings_text(points[row]), kLongestCommand));
+  }
+  const auto config_of = [&](std::size_t point) {
+    return (results.folder_of(results.rows()[point]) / "config.yaml").string();
+  };
+  if (!ranked.by_machine) {
+    lines.emplace_back("id", results.rows()[row].id);
+    lines.emplace_back("configuration", sim::printable(config_of(row), kLongestCommand));
+    lines.emplace_back("run again", sim::printable(rerun_command(points[row], config_of(row)), kLongestCommand));
+    return lines;
+  }
+  for (std::size_t w = 0; w < machines.workloads.size(); ++w) {
+    const std::optional<std::size_t> point = machines.rows[machines.machine_of[row]][w];
+    if (!point) continue;
+    lines.emplace_back("run " + sim::printable(machines.workloads[w]),
+                       sim::printable(rerun_command(points[*point], config_of(*point)), kLongestCommand));
   }
   return lines;
 }
 
 /// Throws InputError if draws of the energy tables are requested for a figure without energy.
 void check_metric_has_energy(const Column& metric, const BestOptions& options) {
-  if (!options.band || energy_metric(metric.name)) return;
+  if (!options.band || energy_metric(report_path(metric))) return;
   throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",
                                     shown_name(metric), kEnergyMetrics));
 }
@@ -184,12 +250,13 @@ void check_metric_has_energy(const Column& metric, const BestOptions& options) {
 }  // namespace
 
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
-  const Column metric = results.column(options.metric);
+  const Column metric = results.column(options.metric, options.more_is_better);
   check_metric_has_energy(metric, options);
-  const std::vector<bool> selected = rows_meeting(results, options.where);
+  const RankedRows ranked = select_ranked(results, std::array{&metric}, options.where);
   std::vector<std::size_t> candidates;
-  for (std::size_t row = 0; row < selected.size(); ++row) {
-    if (selected[row] && results.rows()[row].is_done() && magnitude_of(metric.values[row])) candidates.push_back(row);
+  for (std::size_t row = 0; row < ranked.selected.size(); ++row) {
+    const bool has_result = metric.fold || results.rows()[row].is_done();
+    if (ranked.selected[row] && has_result && magnitude_of(metric.values[row])) candidates.push_back(row);
   }
   const FigureNoise noise(results, metric, candidates);
   std::optional<std::size_t> best;
@@ -205,42 +272,35 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   const std::string missing = results.missing_text();
   if (!best) {
-    throw sim::InputError(fmt::format("no point has {} as a number{}{}", shown_name(metric),
+    throw sim::InputError(fmt::format("no {} has {} as a number{}{}", ranked.noun(), shown_name(metric),
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
   if (*best >= points.size() || points[*best].id != results.rows()[*best].id) {
     throw sim::InputError("the sweep has other points than the index; run 'raywatt sweep collect'");
   }
-  const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
-  std::string out =
-      fmt::format("{} {} of {} points{}: point {}{}\n\n", options.more_is_better ? "most" : "least", shown_name(metric),
-                  candidates.size(), options.where.empty() ? "" : " that meet --where", results.rows()[*best].n,
-                  equal == 0 ? "" : fmt::format(" (and {} more with the same value)", equal));
-  Lines lines = figure_lines(results, metric, options, *best);
-  for (const std::string& axis : results.axes()) {
-    const Value value = results.column(axis).values[*best];
-    if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));
-  }
-  if (!points[*best].sets.empty()) {
-    lines.emplace_back("settings", sim::printable(settings_text(points[*best]), 4096));
-  }
-  lines.emplace_back("id", results.rows()[*best].id);
-  lines.emplace_back("configuration", sim::printable(config, 4096));
-  lines.emplace_back("run again", sim::printable(rerun_command(points[*best], config), 4096));
+  std::string out = fmt::format(
+      "{} {} of {} {}s{}: {} {}{}\n\n", options.more_is_better ? "most" : "least", shown_name(metric),
+      candidates.size(), ranked.noun(), options.where.empty() ? "" : " that meet --where", ranked.noun(),
+      ranked.number_of(results, *best), equal == 0 ? "" : fmt::format(" (and {} more with the same value)", equal));
+  Lines lines = figure_lines(results, ranked, metric, options, *best);
+  const Lines origin = origin_lines(results, points, ranked, *best);
+  lines.insert(lines.end(), origin.begin(), origin.end());
   std::size_t widest = 0;
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
+  if (ranked.by_machine) out += "\n" + workload_table(results, metric, options, *best);
   if (noise.is_noisy() && candidates.size() > 1) {
     const std::vector<std::size_t> ties = find_ties(noise, options.more_is_better, candidates, *best);
-    out += "\n" + ties_text(results, noise, candidates, *best, ties);
+    out += "\n" + ties_text(results, ranked, noise, candidates, *best, ties);
   }
   if (options.band) {
-    EnergyBand band(results, selected);
-    out += "\n" + band.best_text(results, band.price_metric(noise.means(), options.more_is_better));
+    EnergyBand band(results, ranked.points_of(results, candidates));
+    out +=
+        "\n" + band.best_text(results, band.price_metric(results, noise.means(), options.more_is_better, candidates));
     out += energy_draws_note({&noise});
   }
-  out += extrapolated_note(results, candidates);
+  out += extrapolated_note(results, ranked.points_of(results, candidates));
   return missing.empty() ? out : out + "\n" + missing + "\n";
 }
 
@@ -272,7 +332,9 @@ struct ValueRange {
   }
 };
 
-std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width) {
+/// `noun`: "point" or "machine".
+std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::string_view noun,
+                        std::size_t width) {
   const std::vector<std::size_t> all = front.all_rows();
   const ValueRange xs(x, all), ys(y, all);
   const std::size_t margin = std::max(xs.low_text.size() / 2, std::max(ys.low_text.size(), ys.high_text.size()));
@@ -297,32 +359,26 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
   out += fmt::format("{:>{}}  {}{:>{}}{}\n", "", margin, xs.low_text, "", between - 1, xs.high_text);
   const std::string title = x.describe();
   out += fmt::format("{:>{}}\n", title, std::max(title.size(), margin + 2 + columns));
-  out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
+  out += fmt::format("{} of {} {}s are on the front: {}; dots are the others\n", front.rows.size(), all.size(), noun,
                      front.mark_of(0) == '#' ? "#" : "letters, as in the table");
   if (std::ranges::find(front.sure, false) != front.sure.end()) {
-    out += "a letter with ~: because of noise, another point may be as good in both metrics\n";
+    out += fmt::format("a letter with ~: because of noise, another {} may be as good in both metrics\n", noun);
   }
   if (!front.near.empty()) {
-    out += fmt::format("{} more may be on the front, marked ~: no point beats them by more than the noise\n",
-                       front.near.size());
+    out += fmt::format("{} more may be on the front, marked ~: no {} beats them by more than the noise\n",
+                       front.near.size(), noun);
   }
   return out;
 }
 
-/// Path prefixes of figures for which more is better, except for those in kBetterLow.
-constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
-                                                         "totals.utilisation."};
-constexpr std::array<std::string_view, 5> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
-                                                        "totals.relative.dram_bytes", "totals.relative.tni_power",
-                                                        "totals.relative.rays"};
-
-bool is_better_high(std::string_view path) {
-  const auto begins = [&](std::string_view prefix) { return path.starts_with(prefix); };
-  return std::ranges::any_of(kBetterHigh, begins) && std::ranges::none_of(kBetterLow, begins);
-}
-
 std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
+}
+
+/// Returns whether "max:PATH" or "min:PATH" states the direction of more; nothing for a bare path.
+std::optional<bool> stated_direction(std::string_view text) {
+  const bool is_max = text.starts_with("max:");
+  return is_max || text.starts_with("min:") ? std::optional(is_max) : std::nullopt;
 }
 
 /// Returns a column with the mark of each point: a letter on the front, a letter and "~" if it is perhaps on the front,
@@ -354,16 +410,18 @@ struct DrawnPair {
   }
 };
 
-DrawnPair price_both(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
-  if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
+DrawnPair price_both(const Results& results, const RankedRows& ranked, const Objective& x, const Objective& y,
+                     const ParetoFront& front) {
+  if (!energy_metric(report_path(x.column)) && !energy_metric(report_path(y.column))) {
     throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
                                       shown_name(x.column), shown_name(y.column), kEnergyMetrics));
   }
-  std::vector<bool> selected(results.rows().size());
-  for (const std::size_t row : front.all_rows()) selected[row] = true;
-  EnergyBand band(results, selected);
-  DrawnPair out{band.price_metric(x.column, x.more_is_better), band.price_metric(y.column, y.more_is_better),
-                std::vector<std::size_t>(selected.size())};
+  std::vector<std::size_t> rows = front.all_rows();
+  std::ranges::sort(rows);
+  EnergyBand band(results, ranked.points_of(results, rows));
+  DrawnPair out{band.price_metric(results, x.column, x.more_is_better, rows),
+                band.price_metric(results, y.column, y.more_is_better, rows),
+                std::vector<std::size_t>(results.rows().size())};
   for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
   return out;
 }
@@ -381,9 +439,8 @@ Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
 /// Adds, for each figure with energy, the ratio of each row to the best one under low, nominal and high tables.
 void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& columns) {
   for (const BandedMetric* metric : {&draws.x, &draws.y}) {
-    if (!energy_metric(metric->name)) continue;
-    Column ratios{fmt::format("{} over the best, low / nominal / high tables", metric_name(metric->name)),
-                  std::vector<Value>(rows)};
+    if (!energy_metric(metric->path)) continue;
+    Column ratios{fmt::format("{} over the best, low / nominal / high tables", metric->name), std::vector<Value>(rows)};
     const std::size_t best = metric->rank_points().front();
     for (std::size_t i = 0; i < metric->rows.size(); ++i) {
       ratios.values[metric->rows[i]] = metric->ratio_text(i, best);
@@ -417,8 +474,8 @@ std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const 
 }  // namespace
 
 Objective::Objective(const Results& results, const std::string& text)
-    : column(results.column(path_of(text))),
-      more_is_better(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
+    : column(results.column(path_of(text), stated_direction(text))),
+      more_is_better(stated_direction(text).value_or(sweep::is_larger_better(report_path(column)).value_or(false))) {}
 
 std::optional<double> Objective::value_of(std::size_t row) const {
   const std::optional<sweep::Magnitude> number = magnitude_of(column.values[row]);
@@ -487,36 +544,36 @@ std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y,
 
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
   Objective x(results, options.x), y(results, options.y);
-  const std::vector<bool> selected = rows_meeting(results, options.where);
+  const RankedRows ranked = select_ranked(results, std::array{&x.column, &y.column}, options.where);
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < selected.size(); ++row) {
-    if (selected[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
+  for (std::size_t row = 0; row < ranked.selected.size(); ++row) {
+    if (ranked.selected[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
   }
   const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
   x.column = x_noise.means();
   y.column = y_noise.means();
-  ParetoFront front = find_front(x, y, selected);
+  ParetoFront front = find_front(x, y, ranked.selected);
   if (front.rows.empty()) {
     const std::string missing = results.missing_text();
-    throw sim::InputError(fmt::format("no point has both {} and {}{}{}", shown_name(x.column), shown_name(y.column),
-                                      options.where.empty() ? "" : " and meets --where",
+    throw sim::InputError(fmt::format("no {} has both {} and {}{}{}", ranked.noun(), shown_name(x.column),
+                                      shown_name(y.column), options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
   std::optional<DrawnPair> draws;
   std::function<bool(std::size_t, std::size_t)> sure;
   if (options.band) {
-    draws = price_both(results, x, y, front);
+    draws = price_both(results, ranked, x, y, front);
     sure = [&](std::size_t better, std::size_t worse) { return draws->share_dominating(better, worse) >= 1 - kError; };
   }
   front.near = find_near_front(x, y, x_noise, y_noise, front, sure);
   front.sure = surely_on_front(x, y, x_noise, y_noise, front);
-  std::vector<Column> columns = {marks_of(front, results.rows().size(), options.csv), results.column("n")};
+  std::vector<Column> columns = {marks_of(front, results.rows().size(), options.csv), ranked.numbers(results)};
   if (options.csv) {
     columns.front().name = "front";
-    columns.push_back(results.column("id"));
+    if (!ranked.by_machine) columns.push_back(results.column("id"));
   }
   const auto is_objective = [&](const Column& c) { return c.name == x.column.name || c.name == y.column.name; };
-  for (Column& column : results.varying_axes()) {
+  for (Column& column : ranked.varying_axes(results)) {
     if (!is_objective(column)) columns.push_back(std::move(column));
   }
   columns.push_back(x.column);
@@ -529,9 +586,10 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   for (const Column& column : columns) names.push_back(options.csv ? column.name : shown_name(column));
   const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
-  std::string out = pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
+  std::string out =
+      pareto_plot(x, y, front, ranked.noun(), width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
   if (draws) out += energy_draws_note({&x_noise, &y_noise});
-  return out + extrapolated_note(results, rows);
+  return out + extrapolated_note(results, ranked.points_of(results, rows));
 }
 
 }  // namespace tools::results

@@ -25,6 +25,7 @@ struct BestOptions {
 };
 /// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
 /// command that runs it again. `points`: all points of the sweep. Throws InputError if no point meets the conditions.
+/// Over a set of workloads the best machine is found, as in select_ranked(), with its metrics on each workload.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
 /// A figure of the results to minimise or maximise.
@@ -32,8 +33,8 @@ struct Objective {
   Column column;
   bool more_is_better = false;
 
-  /// Parses "PATH", "min:PATH" or "max:PATH". The default is max for performance, performance per watt, utilisation and
-  /// PSNR, min for all else. Throws InputError for unknown paths.
+  /// Parses "PATH", "min:PATH" or "max:PATH", where PATH may be a function over workloads. The default is the direction
+  /// of the metric, min if it has none. Throws InputError for unknown paths.
   Objective(const Results& results, const std::string& text);
   /// Returns the objective's value at a point; nothing if the point has none.
   std::optional<double> value_of(std::size_t row) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <map>
 #include <new>
 #include <thread>
 
@@ -16,9 +17,12 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
+#include "tools/analysis/report_file.h"
 #include "tools/host/parallel.h"
 #include "tools/host/standard_streams.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 
 namespace tools::results {
 namespace {
@@ -81,7 +85,13 @@ std::optional<std::string> scan_report(std::string_view text, MetricNames& names
     return "it is no report: it has no schema";
   }
   if (has("partial") && report["partial"] == true) return "it is of an interrupted run";
-  if (has("totals")) add_metrics(report["totals"], "totals", names, scan);
+  if (has("totals")) {
+    for (const char* name : {"psnr_db", "worst_psnr_db", "temporal_psnr_db"}) {
+      Json& totals = report["totals"];
+      if (totals.is_object() && totals.contains(name) && totals[name].is_null()) totals[name] = kIdenticalPsnr;
+    }
+    add_metrics(report["totals"], "totals", names, scan);
+  }
   if (has("frames") && report["frames"].is_array()) {
     for (const Json& frame : report["frames"]) scan.frames.push_back(scalars_at(frame, kFrameFigures));
   }
@@ -206,19 +216,27 @@ Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& 
 
 // Values are stored column by column: queries read few columns of all points.
 constexpr const char* kTables = R"(
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 CREATE TABLE sweep (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE points (
   n INTEGER PRIMARY KEY,
   id TEXT NOT NULL,
   status TEXT NOT NULL CHECK (status IN ('done', 'failed', 'missing', 'damaged')));
-CREATE TABLE axes (axis INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE);
+CREATE TABLE axes (
+  axis INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE,
+  of_machine INTEGER NOT NULL); -- 0: the workload determines its value
 CREATE TABLE parameters (
   axis INTEGER NOT NULL REFERENCES axes, point INTEGER NOT NULL REFERENCES points,
   value TEXT NOT NULL,
   number REAL, -- in bytes, hertz, femtoseconds, or as it stands
   PRIMARY KEY (axis, point)) WITHOUT ROWID;
-CREATE TABLE metric_names (metric INTEGER PRIMARY KEY, path TEXT NOT NULL UNIQUE);
+CREATE TABLE metric_names (
+  metric INTEGER PRIMARY KEY, path TEXT NOT NULL UNIQUE,
+  better TEXT); -- 'more', 'less', or NULL if unknown
+CREATE TABLE workloads (workload INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE);
+CREATE TABLE machine_points (
+  machine INTEGER NOT NULL, workload INTEGER NOT NULL REFERENCES workloads,
+  point INTEGER PRIMARY KEY REFERENCES points);
 CREATE TABLE metrics (
   metric INTEGER NOT NULL REFERENCES metric_names, point INTEGER NOT NULL REFERENCES points,
   value NOT NULL,
@@ -236,6 +254,12 @@ CREATE TABLE host (
   rays_per_s REAL, peak_rss_mb REAL);
 CREATE VIEW results AS
   SELECT point, id, status, path, value FROM metrics JOIN metric_names USING (metric) JOIN points ON n = point;
+CREATE VIEW machines AS
+  SELECT machine, path, AVG(value) AS mean,
+         CASE better WHEN 'more' THEN MIN(value) WHEN 'less' THEN MAX(value) END AS worst
+  FROM metrics JOIN metric_names USING (metric) JOIN machine_points USING (point)
+  WHERE typeof(value) IN ('integer', 'real')
+  GROUP BY machine, metric HAVING COUNT(*) = (SELECT COUNT(*) FROM workloads);
 )";
 
 constexpr const char* kIndices = R"(
@@ -290,12 +314,12 @@ void write_points(SQLite::Database& index, const Collection& all) {
   }
 }
 
-void write_axes(SQLite::Database& index, const Collection& all) {
-  SQLite::Statement axis(index, "INSERT INTO axes VALUES (?, ?)");
+void write_axes(SQLite::Database& index, const Collection& all, const MachineSet& machines) {
+  SQLite::Statement axis(index, "INSERT INTO axes VALUES (?, ?, ?)");
   SQLite::Statement parameter(index, "INSERT INTO parameters VALUES (?, ?, ?, ?)");
   for (std::size_t a = 0; a < all.axes.size(); ++a) {
     const auto number = static_cast<std::int64_t>(a);
-    insert_row(axis, {number, all.axes[a]});
+    insert_row(axis, {number, all.axes[a], std::int64_t{machines.is_axis(all.axes[a])}});
     for (const ListedPoint& point : all.points) {
       for (const auto& [name, value] : point.axes) {
         if (name != all.axes[a]) continue;
@@ -307,11 +331,12 @@ void write_axes(SQLite::Database& index, const Collection& all) {
 }
 
 void write_metrics(SQLite::Database& index, const Collection& all) {
-  SQLite::Statement metric(index, "INSERT INTO metric_names VALUES (?, ?)");
+  SQLite::Statement metric(index, "INSERT INTO metric_names VALUES (?, ?, ?)");
   SQLite::Statement cell(index, "INSERT INTO metrics VALUES (?, ?, ?)");
   for (std::size_t m = 0; m < all.metrics.size(); ++m) {
     const auto number = static_cast<std::int64_t>(m);
-    insert_row(metric, {number, all.metrics[m]});
+    const std::optional<bool> larger = sweep::is_larger_better(all.metrics[m]);
+    insert_row(metric, {number, all.metrics[m], larger ? Value(*larger ? "more" : "less") : Value()});
     cell.bind(1, number);
     for (std::size_t i = 0; i < all.points.size(); ++i) {
       if (is_absent(all.columns[m][i])) continue;
@@ -323,12 +348,37 @@ void write_metrics(SQLite::Database& index, const Collection& all) {
   }
 }
 
+MachineSet group_into_machines(const Collection& all) {
+  std::vector<std::vector<Value>> values(all.axes.size(), std::vector<Value>(all.points.size()));
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    for (const auto& [name, value] : all.points[i].axes) {
+      values[static_cast<std::size_t>(std::ranges::find(all.axes, name) - all.axes.begin())][i] = value;
+    }
+  }
+  return group_points(all.axes, values);
+}
+
+/// Writes the machines of a sweep that lists workloads; nothing for others.
+void write_machines(SQLite::Database& index, const Collection& all, const MachineSet& machines) {
+  SQLite::Statement workload(index, "INSERT INTO workloads VALUES (?, ?)");
+  SQLite::Statement point(index, "INSERT INTO machine_points VALUES (?, ?, ?)");
+  for (std::size_t w = 0; w < machines.workloads.size(); ++w) {
+    const auto number = static_cast<std::int64_t>(w);
+    insert_row(workload, {number, machines.workloads[w]});
+    for (std::size_t machine = 0; machine < machines.rows.size(); ++machine) {
+      const std::optional<std::size_t> row = machines.rows[machine][w];
+      if (row) insert_row(point, {static_cast<std::int64_t>(machine), number, all.points[*row].n});
+    }
+  }
+}
+
 /// Fills all tables of an index except `sweep`.
-void write_tables(SQLite::Database& index, const Collection& all) {
+void write_tables(SQLite::Database& index, const Collection& all, const MachineSet& machines) {
   index.exec("PRAGMA page_size = 8192; PRAGMA foreign_keys = OFF; BEGIN");
   index.exec(kTables);
   write_points(index, all);
-  write_axes(index, all);
+  write_axes(index, all, machines);
+  write_machines(index, all, machines);
   write_metrics(index, all);
   index.exec(kIndices);
   index.exec("COMMIT");
@@ -408,6 +458,131 @@ std::string export_csv(const SQLite::Database& index) {
   return out;
 }
 
+/// Metrics whose aggregates machines.csv contains.
+constexpr std::array kAggregated = {"totals.cycles",
+                                    "totals.time_ms",
+                                    "totals.perf.fps",
+                                    "totals.fps_margin",
+                                    "totals.energy_mj.nominal",
+                                    "totals.power_w.nominal",
+                                    "totals.power_at_fps_w.nominal",
+                                    "totals.perf.frames_per_joule_gpu",
+                                    "totals.dram_bytes",
+                                    "totals.psnr_db",
+                                    "totals.worst_psnr_db",
+                                    "totals.temporal_psnr_db"};
+
+/// The columns of metrics in machines.csv.
+class MachineColumns {
+ public:
+  MachineColumns(const Collection& all, const MachineSet& machines) : all_(all), machines_(machines) {
+    for (std::size_t m = 0; m < all.metrics.size(); ++m) by_path_[all.metrics[m]] = m;
+    folded_ = fold_metrics();
+  }
+
+  void add_names(std::vector<std::string>& header) const {
+    for (const Column& column : folded_) header.push_back(column.name);
+    for (const auto& [path, m] : by_path_) {
+      if (sweep::is_metric_of_machine(path)) continue;
+      for (const std::string& workload : machines_.workloads) {
+        header.push_back(sweep::SetMetric{Kind::kOn, path, workload}.text());
+      }
+    }
+  }
+  void add_cells(std::size_t machine, std::vector<std::string>& cells) const {
+    for (const Column& column : folded_) cells.push_back(exact_text(column.values[machines_.first_row(machine)]));
+    for (const auto& [path, m] : by_path_) {
+      if (sweep::is_metric_of_machine(path)) continue;
+      for (const std::optional<std::size_t>& row : machines_.rows[machine]) {
+        cells.push_back(row ? exact_text(all_.columns[m][*row]) : std::string());
+      }
+    }
+  }
+
+ private:
+  using Kind = sweep::SetMetric::Kind;
+
+  /// Returns metrics of the machine alone, then the aggregates of the main metrics.
+  std::vector<Column> fold_metrics() const {
+    std::vector<Column> columns;
+    for (const auto& [path, m] : by_path_) {
+      if (sweep::is_metric_of_machine(path)) columns.push_back(fold(Kind::kEach, path, all_.columns[m]));
+    }
+    for (const char* path : kAggregated) {
+      if (!by_path_.contains(path)) continue;
+      for (const Kind kind : {Kind::kWorst, Kind::kMean, Kind::kGeomean}) {
+        columns.push_back(fold(kind, path, means_of(path)));
+      }
+    }
+    return columns;
+  }
+  Column fold(Kind kind, const std::string& path, std::vector<Value> values) const {
+    return fold_column(machines_, {kind, path, {}}, {path, std::move(values)}, false);
+  }
+  /// Values of a metric by point; means of replicates where there are any.
+  std::vector<Value> means_of(const std::string& path) const {
+    std::vector<Value> values = all_.columns[by_path_.at(path)];
+    const auto means = by_path_.find(fmt::format("totals.replicates.figures.{}.mean", metric_name(path)));
+    if (means == by_path_.end()) return values;
+    for (std::size_t row = 0; row < values.size(); ++row) {
+      const Value& mean = all_.columns[means->second][row];
+      if (!is_absent(mean)) values[row] = mean;
+    }
+    return values;
+  }
+
+  const Collection& all_;
+  const MachineSet& machines_;
+  std::map<std::string, std::size_t> by_path_;
+  std::vector<Column> folded_;
+};
+
+/// Exports machines.csv: one row a machine, with its axes, the aggregates of the main metrics over its workloads, and
+/// every metric on each workload.
+std::string export_machines(const SQLite::Database& index, const Collection& all, const MachineSet& machines) {
+  std::vector<std::string> header = {"machine", "status", "points"};
+  std::vector<std::vector<Value>> axes, numbers;
+  std::vector<std::string> number_names;
+  for (std::size_t a = 0; a < all.axes.size(); ++a) {
+    if (!machines.is_axis(all.axes[a])) continue;
+    header.push_back(all.axes[a]);
+    const char* const unit = unit_of_axis(index, static_cast<std::int64_t>(a));
+    std::vector<Value> texts, values;
+    for (const ListedPoint& point : all.points) {
+      const auto axis = std::ranges::find(point.axes, all.axes[a], [](const auto& named) { return named.first; });
+      texts.push_back(axis == point.axes.end() ? Value() : Value(axis->second));
+      const std::optional<sweep::Magnitude> number = magnitude_of(texts.back());
+      values.push_back(number ? Value(number->value) : Value());
+    }
+    axes.push_back(std::move(texts));
+    if (unit == nullptr) continue;
+    number_names.push_back(fmt::format("{}_{}", all.axes[a], unit));
+    numbers.push_back(std::move(values));
+  }
+  header.insert(header.end(), number_names.begin(), number_names.end());
+  const MachineColumns metrics(all, machines);
+  metrics.add_names(header);
+  std::string out = csv_line(header);
+  for (std::size_t machine = 0; machine < machines.rows.size(); ++machine) {
+    const std::size_t first = machines.first_row(machine);
+    std::string points;
+    std::size_t done = 0;
+    for (const std::optional<std::size_t>& row : machines.rows[machine]) {
+      if (!row) continue;
+      done += all.states[*row].status == PointStatus::kDone ? 1 : 0;
+      points += fmt::format("{}{}", points.empty() ? "" : " ", all.points[*row].n);
+    }
+    const bool is_done = done == machines.workloads.size();
+    std::vector<std::string> cells = {fmt::format("{}", machine), is_done ? "done" : "incomplete", points};
+    for (const auto* values : {&axes, &numbers}) {
+      for (const std::vector<Value>& column : *values) cells.push_back(exact_text(column[first]));
+    }
+    metrics.add_cells(machine, cells);
+    out += csv_line(cells);
+  }
+  return out;
+}
+
 /// Returns the bytes of the file of a database in memory.
 std::string file_bytes(SQLite::Database& index) {
   sqlite3_int64 size = 0;
@@ -438,13 +613,14 @@ std::string input_fingerprint(const std::vector<ListedPoint>& points, const swee
   return all.hex_digest();
 }
 
-/// Returns the counts of the index if it was made from these inputs and results.csv is unchanged.
+/// Returns the counts of the index if it was made from these inputs and the CSV files are unchanged.
 std::optional<Collected> load_if_current(const fs::path& sweep, const std::string& fingerprint) {
   try {
     const std::unique_ptr<SQLite::Database> index = open_index(sweep / "index.sqlite");
     std::map<std::string, std::string> facts = read_facts(*index);
-    if (facts["made_from"] != fingerprint || facts["csv"] != file_fingerprint(sweep / "results.csv"))
-      return std::nullopt;
+    const bool has_files = facts["csv"] == file_fingerprint(sweep / "results.csv") &&
+                           facts["machines_csv"] == file_fingerprint(sweep / "machines.csv");
+    if (facts["made_from"] != fingerprint || !has_files) return std::nullopt;
     Collected collected{{}, true};
     SQLite::Statement count(*index, "SELECT status, COUNT(*) FROM points GROUP BY status");
     while (count.executeStep()) {
@@ -474,7 +650,7 @@ PointStatus listed_status(const sweep::Store& store, const std::string& id) {
 }
 
 Collected collect_results(const sweep::SweepFolder& folder) try {
-  const fs::path &path = folder.path(), csv = path / "results.csv";
+  const fs::path &path = folder.path(), csv = path / "results.csv", machines_csv = path / "machines.csv";
   const sim::FileLock lock = wait_for_lock(path / "collect.lock");
   std::vector<ListedPoint> points = list_points(folder.read_points());
   if (points.empty()) throw sim::InputError(sim::printable((path / "points.jsonl").string()) + ": holds no point");
@@ -487,13 +663,16 @@ Collected collect_results(const sweep::SweepFolder& folder) try {
   {
     const Collection all = read_all_points(std::move(points), store);
     for (const PointState& state : all.states) ++collected.counts[state.status];
-    write_tables(index, all);
+    const MachineSet machines = group_into_machines(all);
+    write_tables(index, all, machines);
+    if (machines.is_set()) sim::write_file_atomically(machines_csv, export_machines(index, all, machines));
   }
   sim::write_file_atomically(csv, export_csv(index));
   SQLite::Statement fact(index, "INSERT INTO sweep VALUES (?, ?)");
   insert_row(fact, {"store", store.root().string()});
   insert_row(fact, {"made_from", fingerprint});
   insert_row(fact, {"csv", file_fingerprint(csv)});
+  insert_row(fact, {"machines_csv", file_fingerprint(machines_csv)});
   sim::write_file_atomically(path / "index.sqlite", file_bytes(index));
   return collected;
 } catch (const SQLite::Exception& error) {

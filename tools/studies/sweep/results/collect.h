@@ -18,9 +18,9 @@ struct Collected {
   bool unchanged = false;  ///< no input had changed since the last collection, so nothing was written
 };
 
-/// Makes index.sqlite from points.jsonl and the store, and results.csv from the index. Both are replaced as a whole;
-/// another collector of the same sweep waits. Does nothing if no input has changed. Throws InputError for a damaged
-/// list of points.
+/// Makes index.sqlite from points.jsonl and the store, results.csv from the index and, for a set of workloads,
+/// machines.csv. All are replaced as a whole; another collector of the same sweep waits. Does nothing if no input has
+/// changed. Throws InputError for a damaged list of points.
 Collected collect_results(const sweep::SweepFolder& folder);
 /// Calls collect_results(). If the folder is read-only but has an index, it prints only a warning that ends with
 /// `consequence`.
@@ -58,6 +58,10 @@ inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "t
                                              "traversal_steps", "dram_bytes", "energy_mj.nominal", "power_w.nominal",
                                              "traced_ratio",    "psnr_db"};
 inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "timing_s", "rays_per_s", "peak_rss_mb"};
+
+/// PSNR in dB that the index stores for pictures that are identical to their reference; a report has null. Conditions
+/// such as psnr_db>=36 thus hold for them.
+inline constexpr double kIdenticalPsnr = 100;
 
 /// The values of a report that the index stores.
 struct ReportScan {

@@ -10,6 +10,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report_file.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
@@ -66,40 +67,104 @@ std::string BandedMetric::ratio_text(std::size_t point, std::size_t other) const
                      at_high[point] / at_high[other]);
 }
 
-EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& selected) {
-  for (std::size_t row = 0; row < selected.size(); ++row) {
-    if (!selected[row] || !results.rows()[row].is_done()) continue;
+EnergyBand::EnergyBand(const Results& results, const std::vector<std::size_t>& rows) {
+  for (const std::size_t row : rows) {
+    if (!results.rows()[row].is_done()) continue;
     rows_.push_back(row);
     runs_.push_back(std::make_unique<PricedRun>(load_report(results.folder_of(results.rows()[row]))));
   }
   if (rows_.empty()) throw sim::InputError("no point has a report to be priced");
 }
 
-BandedMetric EnergyBand::price_metric(const Column& column, bool more_is_better) {
-  const std::optional<EnergyMetric> joules = energy_metric(column.name);
-  BandedMetric out{column.name, more_is_better, {}, {}, {}, {}, {}};
+namespace {
+
+/// Evaluates a point of a metric, or a machine over its workloads.
+/// `value_of_run`: value of a run by its number.
+double evaluate_banded(const BandedMetric& metric, std::size_t point, auto&& value_of_run) {
+  const std::vector<std::size_t>& runs = metric.runs[point];
+  if (!metric.fold || runs.size() == 1) return value_of_run(runs.front());
+  std::vector<double> values;
+  for (const std::size_t run : runs) values.push_back(value_of_run(run));
+  return *sweep::fold_workloads(metric.fold->metric.kind, values, metric.fold->larger_is_better);
+}
+
+}  // namespace
+
+std::vector<std::size_t> EnergyBand::find_runs(const Results& results, const Column& column, std::size_t row) const {
+  const MachineSet& machines = results.machines();
+  std::vector<std::optional<std::size_t>> points = {row};
+  if (column.fold) points = machines.rows[machines.machine_of[row]];
+  const auto is_needed = [&](std::size_t workload) {
+    const bool is_of_one = column.fold && column.fold->metric.kind == sweep::SetMetric::Kind::kOn;
+    return !is_of_one || machines.workloads[workload] == column.fold->metric.workload;
+  };
+  std::vector<std::size_t> runs;
+  for (std::size_t w = 0; w < points.size(); ++w) {
+    if (!is_needed(w)) continue;
+    const auto run = points[w] ? std::ranges::lower_bound(rows_, *points[w]) : rows_.end();
+    if (run == rows_.end() || *run != *points[w]) return {};
+    runs.push_back(static_cast<std::size_t>(run - rows_.begin()));
+  }
+  return runs;
+}
+
+BandedMetric EnergyBand::price_metric(const Results& results, const Column& column, bool more_is_better,
+                                      const std::vector<std::size_t>& rows) {
+  const Column& points = column.fold ? column.fold->points : column;
+  const std::optional<EnergyMetric> joules = energy_metric(points.name);
+  BandedMetric out;
+  out.name = shown_name(column);
+  out.path = points.name;
+  out.more_is_better = more_is_better;
+  out.fold = column.fold;
+  for (const std::size_t row : rows) {
+    std::vector<std::size_t> runs = find_runs(results, column, row);
+    if (runs.empty() || !magnitude_of(column.values[row])) continue;
+    out.rows.push_back(row);
+    out.runs.push_back(std::move(runs));
+  }
+  std::vector<double> low(rows_.size()), high(rows_.size());
+  std::vector<std::vector<double>> drawn(rows_.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const std::optional<sweep::Magnitude> number = magnitude_of(column.values[rows_[i]]);
+    const std::optional<sweep::Magnitude> number = magnitude_of(points.values[rows_[i]]);
+    out.run_values.push_back(number ? number->value : 0);
+    low[i] = high[i] = out.run_values[i];
     if (!number) continue;
-    out.rows.push_back(rows_[i]);
-    out.nominal.push_back(number->value);
     if (!joules) {
-      out.drawn.emplace_back(kEnergyDraws, number->value);
-      out.at_low.push_back(number->value);
-      out.at_high.push_back(number->value);
+      drawn[i].assign(kEnergyDraws, number->value);
       continue;
     }
     const double nominal = nominal_energy_pj(*runs_[i], joules->block);
     const auto figure = [&](double pj) { return number->value * (joules->inverse ? nominal / pj : pj / nominal); };
-    out.at_low.push_back(figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::low)));
-    out.at_high.push_back(figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::high)));
-    std::vector<double> drawn = energy_by_draw_pj(*runs_[i], joules->block);
-    for (double& pj : drawn) pj = figure(pj);
-    out.drawn.push_back(std::move(drawn));
+    low[i] = figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::low));
+    high[i] = figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::high));
+    drawn[i] = energy_by_draw_pj(*runs_[i], joules->block);
+    for (double& pj : drawn[i]) pj = figure(pj);
+  }
+  for (std::size_t point = 0; point < out.rows.size(); ++point) {
+    const auto value_among = [&](const std::vector<double>& by_run) {
+      return evaluate_banded(out, point, [&](std::size_t run) { return by_run[run]; });
+    };
+    out.nominal.push_back(value_among(out.run_values));
+    out.at_low.push_back(value_among(low));
+    out.at_high.push_back(value_among(high));
+    std::vector<double>& draws = out.drawn.emplace_back();
+    for (std::uint64_t draw = 0; draw < kEnergyDraws; ++draw) {
+      draws.push_back(evaluate_banded(out, point, [&](std::size_t run) { return drawn[run][draw]; }));
+    }
   }
   if (out.rows.empty()) throw sim::InputError(fmt::format("no point has {} as a number", shown_name(column)));
   return out;
 }
+
+namespace {
+
+/// Returns how the points of a metric are numbered: as machines for a function over workloads.
+RankedRows ranked_rows_of(const Results& results, const BandedMetric& metric) {
+  return {metric.fold != nullptr && results.machines().is_set(), {}};
+}
+
+}  // namespace
 
 std::string EnergyBand::best_text(const Results& results, const BandedMetric& m) const {
   const std::vector<std::size_t> order = m.rank_points();
@@ -111,9 +176,10 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
     }
     ++wins[best];
   }
-  const std::vector<Column> varying = results.varying_axes();
-  sim::Table table({"", "point", metric_name(m.name), "95 % interval", "best in",
-                    "over the best, low / nominal / high tables", "95 % interval", "better in"});
+  const RankedRows ranked = ranked_rows_of(results, m);
+  const std::vector<Column> varying = ranked.varying_axes(results);
+  sim::Table table({"", ranked.noun(), m.name, "95 % interval", "best in", "over the best, low / nominal / high tables",
+                    "95 % interval", "better in"});
   for (std::size_t rank = 0; rank < std::min(order.size(), kRivals); ++rank) {
     const std::size_t i = order[rank];
     std::vector<double> ratios;
@@ -124,12 +190,13 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
       better += m.is_better(mine, leader) ? 1 : 0;
     }
     const auto share = [](std::size_t n) { return percent_text(static_cast<double>(n) / double{kEnergyDraws}); };
-    table.add_row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n),
+    table.add_row({label_of(varying, m.rows[i]), fmt::format("{}", ranked.number_of(results, m.rows[i])),
                    number_text(m.nominal[i]), sample_interval_text(m.drawn[i]), share(wins[i]),
                    rank == 0 ? "" : m.ratio_text(i, order.front()), rank == 0 ? "" : sample_interval_text(ratios),
                    rank == 0 ? "" : share(better)});
   }
-  return fmt::format("under {} draws of the energy tables, {} points\n\n{}", kEnergyDraws, m.rows.size(), table.text());
+  return fmt::format("under {} draws of the energy tables, {} {}s\n\n{}", kEnergyDraws, m.rows.size(), ranked.noun(),
+                     table.text());
 }
 
 std::vector<double> EnergyBand::shares_on_front(const BandedMetric& x, const BandedMetric& y) {
@@ -165,10 +232,10 @@ std::vector<double> EnergyBand::factors_at(const EnergyMetric& metric, const std
 }
 
 std::string EnergyBand::tornado_text(const Results& results, const BandedMetric& m) {
-  const std::optional<EnergyMetric> joules = energy_metric(m.name);
-  if (!joules)
-    throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", metric_name(m.name)));
-  if (m.rows.size() < 2) throw sim::InputError("a ranking needs two points");
+  const std::optional<EnergyMetric> joules = energy_metric(m.path);
+  if (!joules) throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", m.name));
+  const RankedRows ranked = ranked_rows_of(results, m);
+  if (m.rows.size() < 2) throw sim::InputError(fmt::format("a ranking needs two {}s", ranked.noun()));
   std::vector<PricedRun*> all;
   for (const auto& run : runs_) all.push_back(run.get());
   const std::vector<std::size_t> order = m.rank_points();
@@ -184,9 +251,8 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
     const auto values_at = [&](double quantile) {
       const std::vector<double> factors = factors_at(*joules, entry, quantile);
       std::vector<double> values;
-      for (std::size_t i = 0, run = 0; i < m.rows.size(); ++i, ++run) {
-        while (rows_[run] != m.rows[i]) ++run;
-        values.push_back(m.nominal[i] * factors[run]);
+      for (std::size_t i = 0; i < m.rows.size(); ++i) {
+        values.push_back(evaluate_banded(m, i, [&](std::size_t run) { return m.run_values[run] * factors[run]; }));
       }
       return values;
     };
@@ -198,7 +264,7 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
   std::ranges::stable_sort(bars, [](const Bar& a, const Bar& b) {
     return a.turned != b.turned ? a.turned > b.turned : a.swing_size() > b.swing_size();
   });
-  const auto n = [&](std::size_t i) { return results.rows()[m.rows[i]].n; };
+  const auto n = [&](std::size_t i) { return ranked.number_of(results, m.rows[i]); };
   sim::Table table({"entry of the tables", "ratio at low", "at high", "best at low", "at high", "pairs turned"});
   for (std::size_t i = 0; i < std::min(bars.size(), kBars); ++i) {
     const Bar& bar = bars[i];
@@ -206,10 +272,10 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
                    fmt::format("{}", n(bar.best_low)), fmt::format("{}", n(bar.best_high)), percent_text(bar.turned)});
   }
   return fmt::format(
-      "{}: what decides the ranking; ratio: point {} over point {}, the best two, {:.4f} by nominal tables; one entry "
-      "at "
-      "a time, all others nominal\n\n{}",
-      metric_name(m.name), n(second), n(first), m.nominal[second] / m.nominal[first], table.text());
+      "{}: what decides the ranking; ratio: {} {} over {} {}, "
+      "the best two, {:.4f} by nominal tables; one entry at a "
+      "time, all others nominal\n\n{}",
+      m.name, ranked.noun(), n(second), ranked.noun(), n(first), m.nominal[second] / m.nominal[first], table.text());
 }
 
 }  // namespace tools::results

@@ -10,10 +10,13 @@ namespace tools::results {
 
 /// A figure of the points of a sweep under nominal energy tables and under each draw of them.
 struct BandedMetric {
-  std::string name;
+  std::string name, path;  ///< name for display; path in a report
   bool more_is_better = false;
   std::vector<std::size_t> rows;
-  std::vector<double> nominal;             ///< by point
+  std::vector<std::vector<std::size_t>> runs;  ///< by point: runs that it is evaluated from; several for a machine
+  std::vector<double> run_values;              ///< nominal values by run
+  std::shared_ptr<const Fold> fold;            ///< function over the workloads of machines; null for points
+  std::vector<double> nominal;                 ///< by point
   std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to `nominal` for a figure without energy
   std::vector<double> at_low, at_high;     ///< values by point under the low and the high tables
 
@@ -28,11 +31,13 @@ struct BandedMetric {
 /// name are drawn together.
 class EnergyBand {
  public:
-  /// Computes the energies of the points that `selected` selects and that have a report. Throws InputError if that
+  /// Computes the energies of the points in `rows`, in ascending order, that have a report. Throws InputError if that
   /// fails for a point.
-  EnergyBand(const Results& results, const std::vector<bool>& selected);
+  EnergyBand(const Results& results, const std::vector<std::size_t>& rows);
 
-  BandedMetric price_metric(const Column& column, bool more_is_better);
+  /// Prices a metric of the points or machines in `rows`, of which all points that the metric needs must be priced.
+  BandedMetric price_metric(const Results& results, const Column& column, bool more_is_better,
+                            const std::vector<std::size_t>& rows);
   /// Returns the share of draws in which each point is on the Pareto front of two metrics.
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
   /// Returns a table of the best points by the nominal figure, with the confidence of each rank.
@@ -42,6 +47,8 @@ class EnergyBand {
 
  private:
   std::vector<double> factors_at(const EnergyMetric& metric, const std::string& entry, double quantile);
+  /// Returns the runs from which a metric is evaluated in a row; none if one is missing.
+  std::vector<std::size_t> find_runs(const Results& results, const Column& column, std::size_t row) const;
 
   std::vector<std::size_t> rows_;
   std::vector<std::unique_ptr<PricedRun>> runs_;

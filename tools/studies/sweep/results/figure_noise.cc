@@ -10,6 +10,8 @@
 #include "sim/io/json.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/studies/sweep/results/machine_set.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 
 namespace tools::results {
 namespace {
@@ -49,7 +51,11 @@ std::string statistics_path(const std::string& name) { return "totals.replicates
 }  // namespace
 
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
-    : means_(figure), seen_(results.rows().size()) {
+    : means_(figure), seen_(results.rows().size()), replicates_(results.rows().size()) {
+  if (figure.fold) {
+    fold_noise(results, figure, rows);
+    return;
+  }
   for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
   const std::string name = is_totals_path(figure.name) ? metric_name(figure.name) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
@@ -70,6 +76,7 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
       seen_[row].draws =
           Draws{static_cast<std::size_t>(number_at(count, row)), number_at(mean, row), number_at(deviation, row)};
       seen_[row].value = seen_[row].draws->mean;
+      replicates_[row] = seen_[row].draws->count;
       means_.values[row] = mean.values[row];
     }
     if (measured_) {
@@ -80,6 +87,32 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
   const std::vector<double> assumed = assumed_noise(results, rows, name);
   for (const std::size_t row : rows) seen_[row].assumed = assumed[row];
   range([](const MeasuredFigure& seen) { return seen.assumed; });
+}
+
+void FigureNoise::fold_noise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows) {
+  const MachineSet& machines = results.machines();
+  const Fold& fold = *figure.fold;
+  std::vector<std::size_t> points = machines.points_of(rows);
+  std::erase_if(points, [&](std::size_t row) { return !magnitude_of(fold.points.values[row]); });
+  const FigureNoise of_points(results, fold.points, points);
+  noisy_ = of_points.noisy_;
+  measured_ = of_points.measured_;
+  least_ = of_points.least_;
+  most_ = of_points.most_;
+  means_ = refold(machines, fold, of_points.means_);
+  for (const std::size_t row : rows) {
+    std::vector<sweep::WorkloadValue> values;
+    const auto& of_machine = machines.rows[machines.machine_of[row]];
+    for (std::size_t w = 0; w < of_machine.size(); ++w) {
+      sweep::WorkloadValue& value = values.emplace_back();
+      if (!machines.workloads.empty()) value.workload = machines.workloads[w];
+      if (of_machine[w] && magnitude_of(fold.points.values[*of_machine[w]])) {
+        value.seen = of_points.seen_[*of_machine[w]];
+        replicates_[row] = of_points.replicates_[*of_machine[w]];
+      }
+    }
+    seen_[row] = sweep::evaluate_set_metric(fold.metric, values, fold.larger_is_better).value_or(MeasuredFigure{});
+  }
 }
 
 double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool more_is_better) const {
@@ -146,7 +179,7 @@ std::string energy_draws_note(const std::vector<const FigureNoise*>& figures) {
   if (some([](const FigureNoise& f) { return f.is_noisy() && f.is_measured(); })) {
     out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
   }
-  if (some([](const FigureNoise& f) { return f.means().name.ends_with("_per_mm2"); })) {
+  if (some([](const FigureNoise& f) { return report_path(f.means()).ends_with("_per_mm2"); })) {
     out += "area is nominal in all draws\n";
   }
   return out;

@@ -16,7 +16,7 @@ namespace tools::results {
 inline constexpr double kError = 0.05;
 
 /// Noise of a figure at some points of a sweep: measured if all of them have replicates, otherwise assumed for the size
-/// of their pictures.
+/// of their pictures. The noise of a function over workloads follows from the noise of the machine's points.
 class FigureNoise {
  public:
   FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
@@ -27,7 +27,7 @@ class FigureNoise {
   /// Values of the points; means of the replicates if noise is measured.
   const Column& means() const { return means_; }
   /// Returns the number of replicates of a point; 1 if it was simulated once.
-  std::size_t replicate_count(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
+  std::size_t replicate_count(std::size_t row) const { return measured_ ? replicates_[row] : 1; }
   /// Standard error of the value of a point; 0 for a figure without noise.
   double error(std::size_t row) const { return seen_[row].standard_error(); }
   /// Half of the 95 % interval of the value of a point.
@@ -38,10 +38,14 @@ class FigureNoise {
   std::string describe() const;
 
  private:
+  /// Evaluates a metric over the workloads of machines from the noise of their points.
+  void fold_noise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
+
   bool noisy_ = false, measured_ = false;
   Column means_;
-  std::vector<MeasuredFigure> seen_;  ///< figure with its noise, by row
-  double least_ = 0, most_ = 0;       ///< range of the assumed noise, or of the number of replicates
+  std::vector<MeasuredFigure> seen_;     ///< figure with its noise, by row
+  std::vector<std::size_t> replicates_;  ///< by row, if noise is measured
+  double least_ = 0, most_ = 0;          ///< range of the assumed noise, or of the number of replicates
 };
 
 /// Returns the half-width of the 95 % interval of a point's value as text: "± 0.52 %".

@@ -19,7 +19,9 @@
 #include "sim/report/table.h"
 #include "tools/analysis/report_file.h"
 #include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/spec/condition.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 #include "tools/studies/sweep/store/store.h"
 
 namespace tools::results {
@@ -155,10 +157,36 @@ Results::Results(const fs::path& sweep) : file_(sweep / "index.sqlite"), index_(
     }
     axes_ = read_texts(*index_, "SELECT name FROM axes ORDER BY axis");
     metrics_ = read_texts(*index_, "SELECT path FROM metric_names ORDER BY metric");
+    machines_ = std::make_unique<const MachineSet>(read_machines());
   });
 }
 
 Results::~Results() = default;
+
+MachineSet Results::read_machines() const {
+  MachineSet set;
+  set.workloads = read_texts(*index_, "SELECT name FROM workloads ORDER BY workload");
+  set.axes = read_texts(*index_, "SELECT name FROM axes WHERE of_machine ORDER BY axis");
+  if (set.workloads.empty()) {
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      set.rows.push_back({row});
+      set.machine_of.push_back(row);
+    }
+    return set;
+  }
+  set.machine_of.resize(rows_.size());
+  SQLite::Statement point(*index_, "SELECT machine, workload, point FROM machine_points ORDER BY machine, workload");
+  while (point.executeStep()) {
+    const auto machine = static_cast<std::size_t>(point.getColumn(0).getInt64());
+    const auto workload = static_cast<std::size_t>(point.getColumn(1).getInt64());
+    if (machine > set.rows.size() || workload >= set.workloads.size()) throw SQLite::Exception("machines are damaged");
+    if (machine == set.rows.size()) set.rows.emplace_back(set.workloads.size());
+    const std::size_t row = row_of_point(rows_, point.getColumn(2).getInt64());
+    set.rows[machine][workload] = row;
+    set.machine_of[row] = machine;
+  }
+  return set;
+}
 
 fs::path Results::folder_of(const Row& row) const { return sweep::Store(store_).folder_of(row.id); }
 
@@ -174,7 +202,13 @@ Column Results::query_column(const std::string& name, const std::string& sql, st
   });
 }
 
-Column Results::column(std::string_view text) const {
+Column Results::column(std::string_view text, std::optional<bool> larger_in_goal) const {
+  if (index_of(axes_, text) || text.find('(') == std::string_view::npos) return column_of_points(text);
+  const sweep::SetMetric metric = sweep::parse_set_metric(text);
+  return fold_column(*machines_, metric, column_of_points(metric.path), larger_in_goal);
+}
+
+Column Results::column_of_points(std::string_view text) const {
   if (text == "error") return query_column("error", "SELECT point, error FROM errors", -1);
   if (std::ranges::find(kPointColumns, text) != kPointColumns.end()) {
     Column column{std::string(text), {}};
@@ -234,8 +268,10 @@ Column Results::read_from_reports(std::string_view text) const {
   return {path, found[path]};
 }
 
-Column column_of_means(const Results& results, const std::string& path) {
-  Column figure = results.column(path);
+namespace {
+
+/// Replaces the values of points with replicates by the means of their replicates.
+Column with_means(const Results& results, Column figure) {
   if (!is_totals_path(figure.name)) return figure;
   const std::string mean = fmt::format("totals.replicates.figures.{}.mean", metric_name(figure.name));
   if (!results.has_metric(mean)) return figure;
@@ -244,6 +280,14 @@ Column column_of_means(const Results& results, const std::string& path) {
     if (!is_absent(means.values[row])) figure.values[row] = means.values[row];
   }
   return figure;
+}
+
+}  // namespace
+
+Column column_of_means(const Results& results, const std::string& path, std::optional<bool> larger_in_goal) {
+  Column figure = results.column(path, larger_in_goal);
+  if (!figure.fold) return with_means(results, std::move(figure));
+  return refold(results.machines(), *figure.fold, with_means(results, figure.fold->points));
 }
 
 namespace {
@@ -261,10 +305,12 @@ void apply_term(const Results& results, const std::string& text, const sweep::Co
   const auto refuse = [&](const std::string& problem) {
     throw sim::InputError(fmt::format("--where '{}': {}", sim::printable(text), problem));
   };
-  const Column column = column_of_means(results, term.name);
+  const bool is_lower_limit =
+      term.comparison == sweep::Comparison::kGreater || term.comparison == sweep::Comparison::kGreaterEqual;
+  const bool is_ordered = needs_order(term.comparison);
+  const Column column = column_of_means(results, term.name, is_ordered ? std::optional(is_lower_limit) : std::nullopt);
   const sweep::Operand wanted(term.value);
   const std::string shown = sim::printable(wanted.text);
-  const bool is_ordered = needs_order(term.comparison);
   if (is_ordered && !wanted.magnitude) {
     const std::string unit = unknown_unit(wanted.text);
     if (unit.empty()) refuse(fmt::format("'{}' is no number", shown));
@@ -417,10 +463,15 @@ std::vector<std::string> shown_cells(const std::vector<Value>& values) { return 
 std::vector<std::string> shown_cells(const Column& column, const std::vector<std::size_t>& rows) {
   std::vector<Value> values;
   for (const std::size_t row : rows) values.push_back(column.values[row]);
-  return cells_of(values, is_totals_path(column.name));
+  return cells_of(values, is_totals_path(report_path(column)));
 }
 
-std::string shown_name(const Column& column) { return sim::printable(metric_name(column.name)); }
+std::string shown_name(const Column& column) {
+  if (!column.fold) return sim::printable(metric_name(column.name));
+  sweep::SetMetric metric = column.fold->metric;
+  metric.path = metric_name(column.fold->points.name);
+  return sim::printable(metric.text());
+}
 
 namespace {
 
@@ -452,6 +503,47 @@ std::vector<std::string> usual_columns(const Results& results, bool csv) {
   return names;
 }
 
+/// Returns the columns of a table of machines: its axes and the aggregates of the usual figures.
+std::vector<std::string> usual_machine_columns(const Results& results) {
+  std::vector<std::string> names = {"n", "status"};
+  for (const Column& column : results.varying_axes()) {
+    if (results.machines().is_axis(column.name)) names.push_back(column.name);
+  }
+  constexpr std::array kAggregates = {
+      std::pair{"geomean(perf.fps)", "totals.perf.fps"},
+      std::pair{"worst(perf.fps)", "totals.perf.fps"},
+      std::pair{"worst(fps_margin)", "totals.fps_margin"},
+      std::pair{"worst(power_w.nominal)", "totals.power_w.nominal"},
+      std::pair{"worst(power_at_fps_w.nominal)", "totals.power_at_fps_w.nominal"},
+      std::pair{"geomean(perf.frames_per_joule_gpu)", "totals.perf.frames_per_joule_gpu"},
+      std::pair{"worst(psnr_db)", "totals.psnr_db"},
+      std::pair{"area_mm2", "totals.area_mm2"}};
+  for (const auto& [column, path] : kAggregates) {
+    if (results.has_metric(path)) names.emplace_back(column);
+  }
+  return names;
+}
+
+/// Selects the first rows of machines for a table, and turns the columns of points into columns of machines.
+std::vector<bool> select_machines(const Results& results, std::vector<Column>& columns,
+                                  const std::vector<std::string>& where) {
+  std::vector<const Column*> metrics;
+  for (const Column& column : columns) {
+    const bool is_own = std::ranges::find(kPointColumns, column.name) != kPointColumns.end();
+    if (!is_own && column.name != "error") metrics.push_back(&column);
+  }
+  RankedRows rows = select_ranked(results, metrics, where);
+  if (!rows.by_machine) {
+    throw sim::InputError(
+        "--machines: --where may not select by workload; allowed: a function, such as on(NAME, fps)>30");
+  }
+  for (Column& column : columns) {
+    if (column.name == "n") column = rows.numbers(results);
+    if (column.name == "status") column = machine_status(results);
+  }
+  return std::move(rows.selected);
+}
+
 /// Adds the 95 % interval to each value, as in "771200 ± 0.52 %", if all finished points were simulated in replicates.
 Column add_intervals(const Results& results, Column column) {
   if (!results.has_metric("totals.replicates.count")) return column;
@@ -470,7 +562,7 @@ Column add_intervals(const Results& results, Column column) {
 
 /// Sorts rows by "column" or "column:desc". Absent values come last in both orders.
 void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std::string& text) {
-  const std::size_t colon = text.rfind(':');
+  const std::size_t colon = text.ends_with(')') ? std::string::npos : text.rfind(':');
   const std::string order = colon == std::string::npos ? "asc" : text.substr(colon + 1);
   if (order != "asc" && order != "desc") {
     throw sim::InputError(fmt::format("--sort '{}': the order '{}' is unknown; allowed: asc, desc",
@@ -512,16 +604,29 @@ std::string table_text(const std::vector<std::string>& names, const std::vector<
 }
 
 std::string results_table(const Results& results, const TableOptions& options) {
-  const std::vector<std::string> asked =
-      options.columns.empty() ? usual_columns(results, options.csv) : options.columns;
-  std::vector<std::string> names;
-  std::vector<Column> columns;
-  for (const std::string& name : asked) {
-    columns.push_back(results.column(name));
-    if (!options.csv) columns.back() = add_intervals(results, std::move(columns.back()));
-    names.push_back(options.csv ? columns.back().name : shown_name(columns.back()));
+  const bool is_usual = options.columns.empty();
+  if (options.machines && !results.machines().is_set()) {
+    throw sim::InputError("--machines: the sweep has no list of workloads; allowed: a table without it");
   }
-  const std::vector<bool> met = rows_meeting(results, options.where);
+  const std::vector<std::string> asked = !is_usual          ? options.columns
+                                         : options.machines ? usual_machine_columns(results)
+                                                            : usual_columns(results, options.csv);
+  std::vector<Column> columns;
+  for (const std::string& name : asked) columns.push_back(results.column(name));
+  const bool by_machine = options.machines || std::ranges::any_of(columns, [&](const Column& column) {
+                            return column.fold && results.machines().is_set();
+                          });
+  std::vector<bool> met;
+  if (by_machine) {
+    met = select_machines(results, columns, options.where);
+  } else {
+    met = rows_meeting(results, options.where);
+  }
+  std::vector<std::string> names;
+  for (Column& column : columns) {
+    if (!options.csv) column = add_intervals(results, std::move(column));
+    names.push_back(options.csv ? column.name : shown_name(column));
+  }
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < met.size(); ++i) {
     if (met[i]) rows.push_back(i);
@@ -529,7 +634,8 @@ std::string results_table(const Results& results, const TableOptions& options) {
   if (!options.sort.empty()) sort_rows(rows, results, options.sort);
   if (options.limit && rows.size() > *options.limit) rows.resize(*options.limit);
   const bool is_empty = rows.empty() && !options.where.empty() && !options.csv;
-  return table_text(names, columns, rows, options.csv) + (is_empty ? "no point meets --where\n" : "");
+  return table_text(names, columns, rows, options.csv) +
+         (is_empty ? fmt::format("no {} meets --where\n", by_machine ? "machine" : "point") : "");
 }
 
 }  // namespace tools::results

@@ -33,7 +33,7 @@ using StatusCounts = std::map<PointStatus, std::size_t>;
 std::string missing_text(const StatusCounts& counts);
 
 /// Version of the tables of index.sqlite. An index of another version is rebuilt.
-inline constexpr int kIndexSchema = 1;
+inline constexpr int kIndexSchema = 2;
 /// Opens index.sqlite for reading, without locks: the file is only ever replaced as a whole. Throws InputError if it is
 /// missing, damaged or of another version.
 std::unique_ptr<SQLite::Database> open_index(const std::filesystem::path& file);
@@ -50,10 +50,14 @@ struct Row {
   bool is_done() const { return sweep::is_done(status); }
 };
 
+struct Fold;
+struct MachineSet;
+
 /// A column of the results: one value for each point, in the order of the points.
 struct Column {
-  std::string name;  ///< full path or name of the axis
+  std::string name;  ///< full path, name of the axis, or a function of a path over workloads
   std::vector<Value> values;
+  std::shared_ptr<const Fold> fold{};  ///< origin of a function over workloads; null for all others
 };
 
 /// The results of a sweep, read from its index. All members throw InputError if the index is damaged.
@@ -70,10 +74,13 @@ class Results {
   std::filesystem::path folder_of(const Row& row) const;
 
   /// Reads a column: "n", "id", "status", "error", an axis, or a path of report.json or an unambiguous end of one.
-  /// Paths outside `totals` are read from the reports, which takes longer. Throws InputError with the candidates or the
-  /// nearest.
-  Column column(std::string_view text) const;
+  /// Paths outside `totals` are read from the reports, which takes longer. A function over workloads, such as
+  /// worst(fps), gives each point the value of its machine. Throws InputError with the candidates or the nearest.
+  /// `larger_in_goal`: as in fold_column().
+  Column column(std::string_view text, std::optional<bool> larger_in_goal = {}) const;
   bool has_metric(std::string_view path) const;
+  /// The machines of the sweep; each point is one if the sweep lists no workloads.
+  const MachineSet& machines() const { return *machines_; }
   /// Returns a column for each axis with more than one value.
   std::vector<Column> varying_axes() const;
   /// Returns how many points have no result, by status, as one line; empty if all have one.
@@ -83,21 +90,24 @@ class Results {
   /// Reads a column with an SQL query that returns pairs of point and value.
   Column query_column(const std::string& name, const std::string& sql, std::int64_t number) const;
   Column read_from_reports(std::string_view text) const;
+  Column column_of_points(std::string_view text) const;
+  MachineSet read_machines() const;
 
   const std::filesystem::path file_;
   std::filesystem::path store_;
   std::unique_ptr<SQLite::Database> index_;
   std::vector<Row> rows_;
   std::vector<std::string> axes_, metrics_;
+  std::unique_ptr<const MachineSet> machines_;
 };
 
-/// Reads a column of a figure. Points with replicates have the mean of their replicates. Throws InputError for unknown
-/// paths.
-Column column_of_means(const Results& results, const std::string& path);
+/// Reads a column of a figure. Points with replicates have the mean of their replicates. Throws InputError as
+/// Results::column().
+Column column_of_means(const Results& results, const std::string& path, std::optional<bool> larger_in_goal = {});
 
 /// Returns for each point whether it meets all conditions ("power_w.nominal<1 and cores>=2"), with means of replicates.
-/// A point that lacks a compared value does not meet the condition. Throws InputError for unknown paths and values that
-/// cannot be compared.
+/// A point that lacks a compared value does not meet the condition. A function over workloads holds for all points of a
+/// machine. Throws InputError for unknown paths and values that cannot be compared.
 std::vector<bool> rows_meeting(const Results& results, const std::vector<std::string>& conditions);
 /// Lists the paths that conditions compare, each once.
 std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);
@@ -125,8 +135,9 @@ struct TableOptions {
   std::vector<std::string> where;    ///< conditions; all must hold
   std::optional<std::size_t> limit;  ///< maximum number of rows
   bool csv = false;                  ///< CSV with all digits
+  bool machines = false;             ///< a row per machine, even if no column is a function over workloads
 };
-/// Returns a table of the points of a sweep.
+/// Returns a table of the points of a sweep; of its machines if a column is a function over workloads.
 std::string results_table(const Results& results, const TableOptions& options);
 
 /// Returns the given rows of the given columns as a table or as CSV, headed by `names`.

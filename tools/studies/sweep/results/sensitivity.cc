@@ -17,6 +17,7 @@
 #include "tools/analysis/report_file.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
@@ -123,9 +124,9 @@ void group_levels(Factor& factor, std::size_t groups) {
   factor.levels = std::move(names);
 }
 
-Factors find_factors(const Results& results, const std::vector<std::size_t>& rows) {
+Factors find_factors(const std::vector<Column>& axes, const std::vector<std::size_t>& rows) {
   Factors factors;
-  for (const Column& column : results.varying_axes()) {
+  for (const Column& column : axes) {
     Factor factor = factor_of(column, rows);
     if (factor.levels.size() > 1) factors.list.push_back(std::move(factor));
   }
@@ -208,8 +209,9 @@ class AdditiveModel {
 std::string share_text(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string sensitivity_table(const Sensitivity& s) {
-  std::string out = fmt::format("{}: mean {} of {} points{}\n", metric_name(s.metric), number_text(s.mean), s.points,
-                                s.is_grid ? "" : fmt::format(", which are {}", kNoGrid));
+  std::string out =
+      fmt::format("{}: mean {} of {} {}s{}\n", s.metric, number_text(s.mean), s.points,
+                  s.by_machine ? "machine" : "point", s.is_grid ? "" : fmt::format(", which are {}", kNoGrid));
   const bool noisy = !s.noise_text.empty();
   if (noisy) out += s.noise_text + "\n";
   std::vector<std::string> header = {"axis",         "levels", "lowest mean", "at",
@@ -240,18 +242,25 @@ std::string sensitivity_table(const Sensitivity& s) {
   return out + "\n" + table.text();
 }
 
-/// Returns the rows that `selected` selects and that have a number in the column. Throws InputError if there is no such
-/// row.
-std::vector<std::size_t> rows_with_numbers(const Results& results, const Column& column,
-                                           const std::vector<bool>& selected) {
+std::vector<std::size_t> rows_among(const std::vector<bool>& selected) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < selected.size(); ++row) {
-    if (selected[row] && results.rows()[row].is_done() && magnitude_of(column.values[row])) rows.push_back(row);
+    if (selected[row]) rows.push_back(row);
   }
+  return rows;
+}
+
+/// Returns the selected rows that have a number in the column. Throws InputError if there is no such row.
+std::vector<std::size_t> rows_with_numbers(const Column& column, const RankedRows& ranked, const Results& results) {
+  std::vector<std::size_t> rows = rows_among(ranked.selected);
+  std::erase_if(rows, [&](std::size_t row) {
+    const bool has_result = ranked.by_machine || results.rows()[row].is_done();
+    return !has_result || !magnitude_of(column.values[row]);
+  });
   if (!rows.empty()) return rows;
   const std::string missing = results.missing_text();
-  throw sim::InputError(
-      fmt::format("no point has {} as a number{}", shown_name(column), missing.empty() ? "" : "; " + missing));
+  throw sim::InputError(fmt::format("no {} has {} as a number{}", ranked.noun(), shown_name(column),
+                                    missing.empty() ? "" : "; " + missing));
 }
 
 /// The shares of a figure's variance that each axis and noise explain.
@@ -314,13 +323,16 @@ void find_intervals(const Factors& factors, const std::vector<double>& values, c
 /// Tornado tables of all metrics that contain energy.
 std::string tornado_tables(const Results& results, const std::vector<std::string>& metrics,
                            const std::vector<bool>& selected) {
-  EnergyBand band(results, selected);
+  EnergyBand band(results, rows_among(selected));
   std::string out;
   for (const std::string& metric : metrics) {
     const Objective objective(results, metric);
-    if (!energy_metric(objective.column.name)) continue;
-    const FigureNoise noise(results, objective.column, rows_with_numbers(results, objective.column, selected));
-    out += "\n" + band.tornado_text(results, band.price_metric(noise.means(), objective.more_is_better));
+    if (!energy_metric(report_path(objective.column))) continue;
+    const RankedRows ranked = select_rows_of(results, objective.column, selected);
+    const std::vector<std::size_t> rows = rows_with_numbers(objective.column, ranked, results);
+    const FigureNoise noise(results, objective.column, rows);
+    const BandedMetric priced = band.price_metric(results, noise.means(), objective.more_is_better, rows);
+    out += "\n" + band.tornado_text(results, priced);
   }
   if (out.empty()) {
     throw sim::InputError(
@@ -341,15 +353,21 @@ std::string Effect::interval_text() const { return fmt::format("{:.1f} .. {:.1f}
 
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected) {
   const Column column = results.column(metric);
-  const std::vector<std::size_t> rows = rows_with_numbers(results, column, selected);
+  const RankedRows ranked = select_rows_of(results, column, selected);
+  const std::vector<std::size_t> rows = rows_with_numbers(column, ranked, results);
   const FigureNoise noise(results, column, rows);
   std::vector<double> values, variances;
   for (const std::size_t row : rows) {
     values.push_back(magnitude_of(noise.means().values[row])->value);
     variances.push_back(noise.error(row) * noise.error(row));
   }
-  const Factors factors = find_factors(results, rows);
-  Sensitivity s{column.name, rows.size(), mean_of(values), false, factors.is_grid, {}, 0, {}};
+  const Factors factors = find_factors(ranked.varying_axes(results), rows);
+  Sensitivity s;
+  s.metric = shown_name(column);
+  s.points = rows.size();
+  s.by_machine = ranked.by_machine;
+  s.mean = mean_of(values);
+  s.is_grid = factors.is_grid;
   for (double& value : values) value -= s.mean;
   const double total = sum_of_squares(values);
   s.varies = total > 0;

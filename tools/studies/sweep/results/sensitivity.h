@@ -23,7 +23,8 @@ struct Effect {
 
 struct Sensitivity {
   std::string metric;
-  std::size_t points = 0;
+  std::size_t points = 0;   ///< number of points, or of machines
+  bool by_machine = false;  ///< the metric is a function over workloads
   double mean = 0;
   bool varies = false;
   bool is_grid = true;          ///< every combination of values is there: shares are exact
@@ -40,6 +41,7 @@ struct Sensitivity {
 /// 2. Otherwise: an additive model by least squares; values that hardly any two points share are joined in groups, and
 ///    the share that chance explains is subtracted.
 /// 3. Noise of the points is subtracted; intervals are those of a parametric bootstrap.
+/// 4. A function over workloads: over the machines whose points are all selected, without the axis `workload`.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected);
 
 /// Returns the sensitivity tables. `metrics`: empty for the usual metrics. `band`: also lists the entries of the energy

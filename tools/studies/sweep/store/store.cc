@@ -234,7 +234,8 @@ constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
 /// Output files that are computed from the results of the points.
-constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
+constexpr std::array<std::string_view, 5> kResults = {"results.csv", "machines.csv", "index.sqlite", "history.jsonl",
+                                                      "front.csv"};
 
 /// True for a temporary file that a killed run has left.
 bool is_stale(const fs::directory_entry& entry) {

@@ -88,7 +88,7 @@ std::string host_name();
 ///   sweep.json     schema, store, arguments for Slurm; identifies the folder of a sweep
 ///   sweep.yaml     the sweep's file
 ///   points.jsonl   one point a line, in the order of all tables
-///   index.sqlite, results.csv   made from the results of the points
+///   index.sqlite, results.csv, machines.csv   made from the results of the points
 ///   log/           output of workers; runs.jsonl: time, duration, points and utilisation of each run
 class SweepFolder {
  public:

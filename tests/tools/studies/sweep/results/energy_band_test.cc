@@ -15,6 +15,8 @@ namespace {
 
 using namespace tools::results;
 
+const std::vector<std::size_t> kAll = {0, 1, 2, 3};
+
 /// A simulated sweep of four points.
 struct BandOfASweep : testing::Test {
   BandOfASweep() {
@@ -34,11 +36,10 @@ struct BandOfASweep : testing::Test {
 
 TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
   const Results results(folder.path() / "out");
-  const std::vector<bool> all(results.rows().size(), true);
-  EnergyBand band(results, all);
-  const BandedMetric mj = band.price_metric(results.column("energy_mj.nominal"), false);
-  const BandedMetric per_joule = band.price_metric(results.column("perf.frames_per_joule_gpu"), true);
-  const BandedMetric cycles = band.price_metric(results.column("cycles"), false);
+  EnergyBand band(results, kAll);
+  const BandedMetric mj = band.price_metric(results, results.column("energy_mj.nominal"), false, kAll);
+  const BandedMetric per_joule = band.price_metric(results, results.column("perf.frames_per_joule_gpu"), true, kAll);
+  const BandedMetric cycles = band.price_metric(results, results.column("cycles"), false, kAll);
   ASSERT_EQ(mj.rows.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     tools::PricedRun run(tools::load_report(results.folder_of(results.rows()[mj.rows[i]])));
@@ -53,8 +54,8 @@ TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
 
 TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
   const Results results(folder.path() / "out");
-  EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
-  const BandedMetric per_joule = band.price_metric(results.column("perf.frames_per_joule_gpu"), true);
+  EnergyBand band(results, kAll);
+  const BandedMetric per_joule = band.price_metric(results, results.column("perf.frames_per_joule_gpu"), true, kAll);
   const tools::results::Column low = results.column("energy_mj.low"), nominal = results.column("energy_mj.nominal"),
                                high = results.column("energy_mj.high");
   const auto ratio = [&](const tools::results::Column& mj) {  // for frames per joule low and high are exchanged
@@ -66,9 +67,9 @@ TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
 
 TEST_F(BandOfASweep, SharesOnTheFrontAreThoseOfTheDrawsFronts) {
   const Results results(folder.path() / "out");
-  EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
-  const BandedMetric x = band.price_metric(results.column("energy_mj.nominal"), false);
-  const BandedMetric y = band.price_metric(results.column("cycles"), false);
+  EnergyBand band(results, kAll);
+  const BandedMetric x = band.price_metric(results, results.column("energy_mj.nominal"), false, kAll);
+  const BandedMetric y = band.price_metric(results, results.column("cycles"), false, kAll);
   const std::vector<double> shares = EnergyBand::shares_on_front(x, y);
   for (std::size_t i = 0; i < x.rows.size(); ++i) {
     double wanted = 0;
