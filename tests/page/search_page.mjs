@@ -56,3 +56,18 @@ test("the page shows how many points meet the constraint, and the distance of th
   const room = 100 * (1 - numberOf(cells[2]) / LIMIT);
   assert.ok(Math.abs(numberOf(cells[4]) - room) < 0.06, `${cells[4]} is not ${room} %`);
 }));
+
+test("the page of a search on two workloads begins with the answer, its limits on both, and its neighbours", () => look("set.html", {}, async (page) => {
+  const search = JSON.parse(fs.readFileSync(at("set", "search.json"), "utf8"));
+  assert.equal(await page.locator(".sentence").innerText(), search.sentence);
+  assert.match(search.sentence, /least area_mm2 of 6 machines/);
+  assert.equal(await page.locator('[data-block="answer-table"] tbody tr').count(), 4);
+  assert.ok((await page.locator("#answer").innerText()).includes("Whole frames of it meet every limit, as --check found."));
+  assert.equal(await page.locator('[data-block="points"] tbody tr').count(), 6, "a point per machine");
+  assert.equal(await page.locator('[data-block="trades-table"] tbody tr').count(), search.trades.length);
+  assert.equal(await page.locator('[data-block="commands-table"] tbody tr').count(), 2);
+  for (const id of ["limited", "shares-of-limits"]) {
+    await page.locator(`[data-block="${id}"]`).scrollIntoViewIfNeeded();
+    await page.locator(`[data-block="${id}"] canvas`).waitFor();
+  }
+}));

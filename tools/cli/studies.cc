@@ -92,8 +92,23 @@ void add_optimise(CLI::App& app, int& exit) {
       ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
   refuse_negative(*verb->add_option("--seed", options->seed, "random seed (default: the file's, or 1)"));
   verb->add_option("--fidelity", options->fidelity,
-                   "sampled: first estimate points by tile sampling (default: as in the file)")
-      ->check(CLI::IsMember({"full", "sampled"}));
+                   "full: whole frames; tiles: tile sampling, then whole frames of the best; sampled: first looks by\n"
+                   "tile sampling, then whole frames; auto: tiles for large pictures (default: the file's, or auto)")
+      ->check(CLI::IsMember({"auto", "full", "sampled", "tiles"}));
+  add_set_option(*verb, options->sets);
+  verb->add_option("--confidence", options->confidence,
+                   "required probability that each limit is met, by the noise and the bands of the energy and area\n"
+                   "tables (default: the file's, or nominal values)")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double share = 0;
+            return CLI::detail::lexical_cast(text, share) && optimise::is_confidence(share)
+                       ? std::string()
+                       : std::string(optimise::kConfidenceRange);
+          },
+          "PROBABILITY"));
+  verb->add_flag("--check", options->check,
+                 "simulate whole frames of the best machines, and state which limits they meet");
   add_fps_option(*verb, options->sets);
   verb->add_flag("--quiet", options->quiet, "print no table and no progress bar");
   add_progress_option(*verb, options->progress);

@@ -412,6 +412,15 @@ TileSampling parse_tile_sampling(const std::string& sampling, const std::string&
   return s;
 }
 
+double simulated_share(const RunConfig& config, const kernels::ProgramSpec& program, const TileSampling& sampling) {
+  const std::uint32_t side = tile_side(config.render, program);
+  const PlanShape shape = choose_block_lengths(*config.gpu, side * side);
+  const double samples = double{1} * config.render.width * config.render.height * program.samples;
+  const double tiles = samples / (double{1} * side * side);
+  const double blocks = std::max<double>(shape.least, sampling.share * tiles / shape.measured);
+  return std::min(1.0, (2 * shape.edge + blocks * (shape.lead + shape.measured)) / tiles);
+}
+
 void check_tile_sampling(const kernels::ProgramSpec& program) {
   if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
   throw sim::InputError(fmt::format(

@@ -157,7 +157,38 @@ function sensitivity() {
   };
 }
 
-const KINDS = { bars, stack, waterfall, lines, roofline, series, sensitivity };
+/** Points with intervals, the best one's band by the tables, and a limit. Columns: n, x, y, x_low, x_high, y_low, y_high, place, axes, band_low, band_high. */
+function limited({ xTitle, yTitle, limit }) {
+  const axis = (field, title) => ({ field, type: "quantitative", title, scale: { zero: false, nice: true } });
+  const interval = (a, b, other) => ({ mark: { type: "rule", color: REST, opacity: 0.7 },
+    encoding: { [a]: axis(`${a}_low`, a === "x" ? xTitle : yTitle), [`${a}2`]: { field: `${a}_high` }, [b]: axis(b, other) } });
+  return {
+    width: "container", height: 320,
+    layer: [
+      { mark: { type: "rule", color: WAIT, strokeDash: [5, 4], strokeWidth: 1.5 }, encoding: { x: { datum: limit, type: "quantitative" } } },
+      { transform: [{ filter: "datum.place === 'best' && isValid(datum.band_low)" }], mark: { type: "rule", color: WAIT, strokeWidth: 7, opacity: 0.3 },
+        encoding: { x: axis("band_low", xTitle), x2: { field: "band_high" }, y: axis("y", yTitle) } },
+      interval("x", "y", yTitle),
+      interval("y", "x", xTitle),
+      { mark: { type: "point", filled: true, size: 60, opacity: 0.95 },
+        encoding: {
+          x: axis("x", xTitle), y: axis("y", yTitle),
+          size: { condition: { test: "datum.place === 'best'", value: 160 }, value: 50 },
+          color: { field: "place", type: "nominal", title: null, scale: { domain: ["best", "meets all limits", "breaks a limit"], range: [WAIT, ACCENT, REST] },
+            legend: { orient: "bottom", symbolType: "circle" } },
+          tooltip: [{ field: "n", title: "machine" }, { field: "axes", title: "axes" }, { field: "x", title: xTitle, format: ".4~g" }, { field: "y", title: yTitle, format: ".4~g" }],
+        } },
+    ],
+  };
+}
+
+/** Bars of values as shares of their limits, with a mark at the limit. Columns: name, share, label. */
+const shares = () => {
+  const bar = bars({ name: "name", value: "share", title: "share of the limit", format: ".0%", label: "label" });
+  return { ...bar, layer: [...bar.layer, { mark: { type: "tick", orient: "vertical", color: WAIT, thickness: 2, height: 18 }, encoding: { x: { datum: 1 } } }] };
+};
+
+const KINDS = { bars, stack, waterfall, lines, roofline, series, sensitivity, limited, shares };
 
 /** The specification of a chart whose `about` sentence describes it to readers who do not see it. */
 export const specOf = (chart, about) =>

@@ -1,5 +1,6 @@
 // The view of a sweep or a search, from its results (tools/studies/report/sweep_data.h).
 import { counted, digits, short } from "./format.js";
+import { addSearch } from "./search.js";
 import { capital, chart, dataset, headline, newView, section, table, text } from "./model.js";
 
 /** Formats a share of variance: "62 % of its variance (95 %: 58 to 66 %)". */
@@ -37,6 +38,11 @@ function addVerdict(data, points, done, view) {
   }
   const best = points[row], value = best[metric.field], found = data.sensitivities.find((s) => s.metric === metric.field);
   const axes = data.axes.map((a) => `${a.field} ${best[a.field]}`).join(", ");
+  if (data.search) {
+    view.verdict = { sentence: data.search.sentence, more: `${found ? `${decisionText(found, metric.name, data.noun)} ` : ""}${data.ties ? `Best: ${data.noun} ${best.n}${data.ties}.` : ""}`.trim(),
+      links: [{ words: "the answer", to: "answer" }, { words: `the ${data.noun}s`, to: "front" }] };
+    return;
+  }
   const amount = Math.abs(value) >= 1e4 ? short(value) : digits(value);
   const links = [{ words: "the front", to: "front" }, { words: "what each axis does", to: "sensitivity" }];
   view.verdict = { sentence: found ? decisionText(found, metric.name, data.noun) : `No axis changes ${metric.name}.`,
@@ -112,6 +118,7 @@ export function sweepView(data) {
   addHeadlines(data, points, done, view);
   addPoints(data, view);
   addWorkloads(data, view);
-  addSensitivities(data, view);
+  if (!data.search || data.sensitivities.length > 0) addSensitivities(data, view);
+  if (data.search) addSearch(data.search, view);
   return view;
 }

@@ -15,6 +15,8 @@ struct Options : LauncherOptions {
   std::optional<std::uint64_t> budget, seed;
   std::string fidelity;
   std::vector<std::string> sets;  ///< "key=value", in addition to those of the file
+  std::optional<double> confidence;
+  bool check = false;  ///< simulate whole frames of the front
   bool quiet = false;
   std::string progress = "auto";
 };

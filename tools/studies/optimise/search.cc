@@ -7,8 +7,11 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <vector>
+
+#include <boost/math/special_functions/erf.hpp>
 
 #include "sim/hash.h"
 #include "tools/studies/optimise/multi_objective.h"
@@ -26,36 +29,71 @@ constexpr std::array<double, 5> kNodes = {-2.8569700138728056, -1.35562617997426
 constexpr std::array<double, 5> kWeights = {0.0112574113277207, 0.2220759220056126, 0.5333333333333333,
                                             0.2220759220056126, 0.0112574113277207};
 
+/// Draws of a quasi-random normal sequence that estimate a combination of several figures.
+constexpr std::size_t kCombinationDraws = 128;
+
+/// Returns a quasi-random standard normal number: a van der Corput sequence in the base of a prime.
+double normal_draw(std::size_t draw, std::size_t dimension) {
+  constexpr std::array<std::size_t, 12> kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  const std::size_t base = kPrimes.at(dimension);
+  double share = 0, weight = 1;
+  for (std::size_t n = draw + 1; n != 0; n /= base) {
+    weight /= static_cast<double>(base);
+    share += weight * static_cast<double>(n % base);
+  }
+  // long double would be initialised when the program starts, and fails under profilers with 64-bit floating point.
+  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1, Policy());
+}
+
+double GoalFigures::combine(std::span<const double> values) const {
+  const auto count = static_cast<double>(values.size());
+  double sum = 0;
+  switch (rule) {
+    case Rule::kWorst:
+      return larger_is_better ? std::ranges::min(values) : std::ranges::max(values);
+    case Rule::kMean:
+      for (const double value : values) sum += value;
+      return sum / count;
+    case Rule::kGeomean:
+      for (const double value : values) sum += std::log(std::max(value, std::numeric_limits<double>::min()));
+      return std::exp(sum / count);
+  }
+  return sum;
+}
+
 /// Surrogates fitted to all results, and the acquisition value of each point.
 ///
-/// 1. The metrics of all points are modelled, feasible or not. Scores are scaled by the range over all points, so that
+/// 1. The figures of all points are modelled, feasible or not. Scores are scaled by the range over all points, so that
 ///    the scale does not depend on how many points are feasible.
 /// 2. Until a point is feasible, the acquisition value is the probability of being feasible.
 /// 3. After that it is this probability times the expected gain: for one objective the improvement over the best
 ///    feasible point in closed form, for two the hypervolume gain by quadrature.
 /// 4. A chosen point counts with its estimate for the rest of the batch, as feasible if that is likely.
+/// 5. A goal of several figures is estimated by draws of independent estimates of its figures.
 class Search::Models {
  public:
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
-    for (std::size_t g = 0; g < search.goals_.size(); ++g) {
-      search.surrogates_[g].fit(search.metrics_[g], search.looks_[g], search.errors_[g], search.errors_are_bounds_);
+    for (std::size_t f = 0; f < search.values_.size(); ++f) {
+      if (search.is_exact(f) || search.values_[f].empty()) continue;
+      search.surrogates_[f].fit(search.values_[f], search.looks_[f], search.errors_[f], search.errors_are_bounds_);
     }
     any_failed_ = std::ranges::any_of(search.results_known_, [](const auto& result) { return !result.second; });
     if (any_failed_) {
       Surrogate::Values computable;
-      for (const auto& [point, had_metrics] : search.results_known_) computable.emplace(point, had_metrics ? 1 : 0);
+      for (const auto& [point, had_figures] : search.results_known_) computable.emplace(point, had_figures ? 1 : 0);
       search.surrogates_.back().fit(computable, {});
     }
     set_range();
     for (const auto& [point, score] : search.feasible_scores_) {
       std::vector<Estimate> metrics;
-      for (std::size_t o = 0; o < search.objectives_; ++o) metrics.push_back({smoothed_metric(point, o), 0});
+      for (std::size_t o = 0; o < search.objectives_; ++o) metrics.push_back({smoothed_goal(point, o), 0});
       add_feasible({metrics, 0});
     }
   }
 
   struct Estimated {
-    std::vector<Estimate> metrics;      ///< estimates of the objectives, on the scale of their surrogates
+    std::vector<Estimate> metrics;      ///< estimates of the objectives, on the scale of their models
     double log_feasible = 0;            ///< log probability that the point can be simulated and meets all constraints
     std::optional<double> log_value{};  ///< the logarithm of the acquisition value, if it was needed
   };
@@ -66,25 +104,22 @@ class Search::Models {
     if (!is_new) return e;
     for (std::size_t g = 0; g < search_.goals_.size(); ++g) {
       const Goal& goal = search_.goals_[g];
-      const Surrogate& surrogate = search_.surrogates_[g];
-      const Estimate estimate = surrogate.estimate_at(point);
       if (goal.is_objective()) {
-        e.metrics.push_back(estimate);
+        e.metrics.push_back(estimate_goal(g, point));
       } else {
-        e.log_feasible += log_probability(estimate, surrogate.to_model_scale(goal.limit), !goal.is_upper());
+        e.log_feasible += log_probability_of(g, point);
       }
     }
     if (any_failed_) e.log_feasible += log_probability(search_.surrogates_.back().estimate_at(point), 0.5, true);
     return e;
   }
 
-  /// Returns the score of a metric that is better than its estimated mean by `deviations` standard deviations. Scores
-  /// of simulated points range from 0 to 1.
+  /// Returns the score of an objective that is better than its estimated mean by `deviations` standard deviations.
+  /// Scores of simulated points range from 0 to 1.
   double score_at(const Estimated& e, std::size_t objective, double deviations) const {
     const Estimate& metric = e.metrics[objective];
     const double better = metric.mean + (is_max(objective) ? 1 : -1) * deviations * metric.deviation;
-    return (as_maximised(search_.surrogates_[objective].from_model_scale(better), objective) - low_[objective]) /
-           range_[objective];
+    return (as_maximised(from_goal_scale(objective, better), objective) - low_[objective]) / range_[objective];
   }
 
   /// Returns half of the difference between the scores at +1 and -1 standard deviations, summed over objectives.
@@ -101,19 +136,96 @@ class Search::Models {
     return *e.log_value;
   }
 
-  /// Adds the point with its expected metrics (Kriging believer).
+  /// Returns the estimate of a figure in its own unit; nothing without results.
+  std::optional<Estimate> plain_estimate(std::size_t figure, const Choice& point) const {
+    if (!search_.has_values(figure)) return std::nullopt;
+    const Estimate e = estimate_figure(figure, point);
+    const double low = from_figure_scale(figure, e.mean - e.deviation),
+                 high = from_figure_scale(figure, e.mean + e.deviation);
+    return Estimate{from_figure_scale(figure, e.mean), (high - low) / 2};
+  }
+
+  /// Adds the point with its expected figures (Kriging believer).
   void assume_estimate(const Choice& point) {
     if (const Estimated& e = estimate_at(point); e.log_feasible >= std::log(0.5)) add_feasible(e);
-    for (std::size_t g = 0; g < search_.surrogates_.size(); ++g) {
-      if (g == search_.goals_.size() && !any_failed_) continue;
-      Surrogate& surrogate = search_.surrogates_[g];
+    for (std::size_t f = 0; f < search_.surrogates_.size(); ++f) {
+      const bool is_fitted = f == search_.values_.size() ? any_failed_ : !search_.values_[f].empty();
+      if (!is_fitted || search_.is_exact(f)) continue;
+      Surrogate& surrogate = search_.surrogates_[f];
       surrogate.add_pseudo_observation(point, surrogate.estimate_at(point).mean);
     }
     estimated_.clear();
   }
 
  private:
-  /// Returns the logarithm of the expected gain: the improvement over the best feasible point, or the hypervolume gain.
+  const GoalFigures& figures_of(std::size_t goal) const { return search_.options_.figures[goal]; }
+
+  /// Returns the estimate of a figure on the scale of its model.
+  Estimate estimate_figure(std::size_t figure, const Choice& point) const {
+    if (search_.is_exact(figure)) return {search_.exact_figure(figure, point), 0};
+    return search_.surrogates_[figure].estimate_at(point);
+  }
+  double from_figure_scale(std::size_t figure, double value) const {
+    return search_.is_exact(figure) ? value : search_.surrogates_[figure].from_model_scale(value);
+  }
+  double to_figure_scale(std::size_t figure, double value) const {
+    return search_.is_exact(figure) ? value : search_.surrogates_[figure].to_model_scale(value);
+  }
+  // A goal of one figure has the scale of the figure; of several, their own units.
+  double from_goal_scale(std::size_t goal, double value) const {
+    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    return figures.size() == 1 ? from_figure_scale(figures.front(), value) : value;
+  }
+  double to_goal_scale(std::size_t goal, double value) const {
+    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    return figures.size() == 1 ? to_figure_scale(figures.front(), value) : value;
+  }
+
+  bool has_values(std::size_t goal) const {
+    return std::ranges::all_of(figures_of(goal).figures, [&](std::size_t f) { return search_.has_values(f); });
+  }
+
+  /// Returns the estimate of a goal on its scale (rule 5).
+  Estimate estimate_goal(std::size_t goal, const Choice& point) const {
+    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    if (!has_values(goal)) return {0, 1};
+    if (figures.size() == 1) return estimate_figure(figures.front(), point);
+    std::vector<Estimate> each;
+    for (const std::size_t f : figures) each.push_back(estimate_figure(f, point));
+    double sum = 0, sum2 = 0;
+    std::vector<double> drawn(each.size());
+    for (std::size_t draw = 0; draw < kCombinationDraws; ++draw) {
+      for (std::size_t i = 0; i < each.size(); ++i) {
+        drawn[i] =
+            from_figure_scale(figures[i], each[i].mean + each[i].deviation * normal_draws_[draw][i % kDimensions]);
+      }
+      const double value = figures_of(goal).combine(drawn);
+      sum += value;
+      sum2 += value * value;
+    }
+    const double mean = sum / kCombinationDraws;
+    return {mean, std::sqrt(std::max(sum2 / kCombinationDraws - mean * mean, 0.0))};
+  }
+
+  /// Returns the log probability that a constraint is met. Figures without any result do not count.
+  double log_probability_of(std::size_t g, const Choice& point) const {
+    const Goal& goal = search_.goals_[g];
+    // Met on each workload: a worst value in the direction of the limit. All else needs the combined value.
+    const bool is_on_each = figures_of(g).rule == GoalFigures::Rule::kWorst &&
+                            (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper());
+    if (!is_on_each) {
+      return has_values(g) ? log_probability(estimate_goal(g, point), to_goal_scale(g, goal.limit), !goal.is_upper())
+                           : 0;
+    }
+    double sum = 0;
+    for (const std::size_t f : figures_of(g).figures) {
+      if (!search_.has_values(f)) continue;
+      sum += log_probability(estimate_figure(f, point), to_figure_scale(f, goal.limit), !goal.is_upper());
+    }
+    return sum;
+  }
+
+  /// Returns the logarithm of the expected gain (rule 3).
   double log_gain(const Estimated& e) const {
     if (search_.objectives_ == 1) {
       return log_expected_gain({as_maximised(e.metrics[0].mean, 0), e.metrics[0].deviation}, best_);
@@ -131,11 +243,11 @@ class Search::Models {
   /// Returns the value, negated if the objective is minimised.
   double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
-  /// Returns the metric of a simulated point on the scale of its surrogate; a noisy one is replaced by its estimate.
-  double smoothed_metric(const Choice& point, std::size_t objective) const {
-    const Surrogate& surrogate = search_.surrogates_[objective];
-    if (search_.errors_[objective].contains(point)) return surrogate.estimate_at(point).mean;
-    return surrogate.to_model_scale(search_.metrics_[objective].at(point));
+  /// Returns an objective of a simulated point on its scale; a noisy one is replaced by its estimate.
+  double smoothed_goal(const Choice& point, std::size_t objective) const {
+    const auto is_noisy = [&](std::size_t f) { return search_.errors_[f].contains(point); };
+    if (std::ranges::any_of(figures_of(objective).figures, is_noisy)) return estimate_goal(objective, point).mean;
+    return to_goal_scale(objective, search_.goal_value(objective, point).value());
   }
 
   void add_feasible(const Estimated& e) {
@@ -147,14 +259,32 @@ class Search::Models {
   void set_range() {
     for (std::size_t o = 0; o < search_.objectives_; ++o) {
       std::vector<double> values;
-      for (const auto& [point, metric] : search_.metrics_[o]) values.push_back(as_maximised(metric, o));
-      const auto [least, most] = std::ranges::minmax(values);
+      for (const auto& [point, had_figures] : search_.results_known_) {
+        const auto value = had_figures ? search_.goal_value(o, point) : std::nullopt;
+        if (value) values.push_back(as_maximised(*value, o));
+      }
+      const auto [least, most] =
+          values.empty() ? std::ranges::minmax_result<double>{0, 0} : std::ranges::minmax(values);
       low_.push_back(least);
       range_.push_back(most > least ? most - least : 1);
     }
   }
 
+  static constexpr std::size_t kDimensions = 12;
+  using NormalDraws = std::array<std::array<double, kDimensions>, kCombinationDraws>;
+  static const NormalDraws& normal_draws() {
+    static const NormalDraws kDraws = [] {
+      NormalDraws draws{};
+      for (std::size_t d = 0; d < kCombinationDraws; ++d) {
+        for (std::size_t i = 0; i < kDimensions; ++i) draws[d][i] = normal_draw(d, i);
+      }
+      return draws;
+    }();
+    return kDraws;
+  }
+
   Search& search_;
+  const NormalDraws& normal_draws_ = normal_draws();
   bool any_failed_ = false;
   /// By objective: lowest score, and range of the scores, over all points with metrics.
   std::vector<double> low_, range_;
@@ -193,16 +323,21 @@ double infeasibility_penalty(double log_feasible, double optimism) {
 }  // namespace
 
 Search::Search(Space space, std::vector<Goal> goals, const Options& options)
-    : space_(std::move(space)),
-      goals_(std::move(goals)),
-      options_(options),
-      metrics_(goals_.size()),
-      errors_(goals_.size()),
-      looks_(goals_.size()) {
+    : space_(std::move(space)), goals_(std::move(goals)), options_(options) {
   objectives_ = static_cast<std::size_t>(std::ranges::count_if(goals_, &Goal::is_objective));
-  for (std::size_t g = 0; g <= goals_.size(); ++g) surrogates_.emplace_back(space_.axes);
+  std::size_t count = 0;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
-    if (!goals_[g].is_objective() && !(goals_[g].limit > 0)) surrogates_[g].forbid_log();
+    if (options_.figures.size() <= g) options_.figures.push_back({{g}});
+    for (const std::size_t f : options_.figures[g].figures) count = std::max(count, f + 1);
+  }
+  values_.resize(count);
+  errors_.resize(count);
+  looks_.resize(count);
+  exact_.resize(count);
+  for (std::size_t f = 0; f <= count; ++f) surrogates_.emplace_back(space_.axes);
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    if (goals_[g].is_objective() || goals_[g].limit > 0) continue;
+    for (const std::size_t f : options_.figures[g].figures) surrogates_[f].forbid_log();
   }
   std::uint64_t points = 1;
   for (std::size_t a = 0; a < space_.axes.size(); ++a) {
@@ -213,29 +348,65 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
   if (points <= kSmallSpace) all_ = sweep::choose_combinations({}, sizes_, space_.is_wanted);
 }
 
-Score Search::score_of(const std::vector<double>& metrics) const {
+Score Search::score_of(std::span<const double> values) const {
   Score score;
   for (std::size_t o = 0; o < objectives_; ++o) {
-    score.push_back(goals_[o].kind == Goal::Kind::kMax ? metrics[o] : -metrics[o]);
+    score.push_back(goals_[o].kind == Goal::Kind::kMax ? values[o] : -values[o]);
   }
   return score;
 }
 
-void Search::add_result(const Choice& point, const std::optional<std::vector<double>>& metrics,
-                        const std::vector<double>& errors, bool are_bounds) {
-  if (!results_known_.emplace(point, metrics.has_value()).second || !metrics) return;
-  errors_are_bounds_ = errors_are_bounds_ || are_bounds;
-  bool is_feasible = true;
-  for (std::size_t g = 0; g < goals_.size(); ++g) {
-    metrics_[g].emplace(point, metrics->at(g));
-    if (!errors.empty() && errors.at(g) > 0) errors_[g].emplace(point, errors[g]);
-    is_feasible = is_feasible && goals_[g].is_met(metrics->at(g));
+std::optional<double> Search::goal_value(std::size_t goal, const Choice& point) const {
+  std::vector<double> values;
+  for (const std::size_t f : options_.figures[goal].figures) {
+    const auto found = values_[f].find(point);
+    if (found == values_[f].end()) return std::nullopt;
+    values.push_back(found->second);
   }
-  if (is_feasible) feasible_scores_.emplace(point, score_of(*metrics));
+  return options_.figures[goal].combine(values);
 }
 
-void Search::add_first_look(const Choice& point, const std::vector<double>& metrics) {
-  for (std::size_t g = 0; g < goals_.size(); ++g) looks_[g].emplace(point, metrics.at(g));
+double Search::exact_figure(std::size_t figure, const Choice& point) {
+  const auto [entry, is_new] = exact_[figure].try_emplace(point);
+  if (is_new) entry->second = options_.exact[figure](point);
+  return entry->second;
+}
+
+void Search::add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
+                        const std::vector<double>& errors, bool are_bounds) {
+  if (figures) return add_partial_result(point, {figures->begin(), figures->end()}, errors, are_bounds);
+  results_known_.emplace(point, false);
+}
+
+void Search::add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+                                bool are_bounds) {
+  if (results_known_.emplace(point, true).second) replace_result(point, figures, errors, are_bounds);
+}
+
+void Search::replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+                            bool are_bounds) {
+  errors_are_bounds_ = errors_are_bounds_ || are_bounds;
+  for (std::size_t f = 0; f < values_.size(); ++f) {
+    if (!figures.at(f)) continue;
+    values_[f][point] = *figures[f];
+    errors_[f].erase(point);
+    if (!errors.empty() && errors.at(f) > 0) errors_[f].emplace(point, errors[f]);
+  }
+  bool is_feasible = true;
+  std::vector<double> values;
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    const std::optional<double> value = goal_value(g, point);
+    is_feasible = is_feasible && value && goals_[g].is_met(*value);
+    values.push_back(value.value_or(0));
+  }
+  feasible_scores_.erase(point);
+  if (is_feasible) feasible_scores_.emplace(point, score_of(values));
+}
+
+void Search::add_first_look(const Choice& point, const FigureValues& figures) {
+  for (std::size_t f = 0; f < looks_.size(); ++f) {
+    if (figures.at(f)) looks_[f].emplace(point, *figures[f]);
+  }
 }
 
 /// Draws a random combination of axis values, which may be invalid.
@@ -280,6 +451,20 @@ std::vector<Choice> Search::spread_points(std::size_t count) {
   return {points.begin(), points.end()};
 }
 
+std::vector<Choice> Search::neighbours_of(const Choice& point) const {
+  std::vector<Choice> near;
+  for (const std::size_t a : genes_) {
+    const std::uint32_t here = point[a];
+    for (std::uint32_t value = 0; value < sizes_[a]; ++value) {
+      const bool is_next = value + 1 == here || value == here + 1;
+      if (value == here || (space_.axes[a].ordered && !is_next)) continue;
+      near.push_back(point);
+      near.back()[a] = value;
+    }
+  }
+  return near;
+}
+
 std::vector<Choice> Search::neighbours_of_front() const {
   std::vector<Choice> points, near;
   std::vector<Score> scores;
@@ -287,17 +472,8 @@ std::vector<Choice> Search::neighbours_of_front() const {
     points.push_back(point);
     scores.push_back(score);
   }
-  for (const std::size_t i : pareto_front_of(scores)) {
-    for (const std::size_t a : genes_) {
-      const std::uint32_t here = points[i][a];
-      for (std::uint32_t value = 0; value < sizes_[a]; ++value) {
-        const bool is_next = value + 1 == here || value == here + 1;
-        if (value == here || (space_.axes[a].ordered && !is_next)) continue;
-        near.push_back(points[i]);
-        near.back()[a] = value;
-      }
-    }
-  }
+  for (const std::size_t i : pareto_front_of(scores))
+    std::ranges::move(neighbours_of(points[i]), std::back_inserter(near));
   return near;
 }
 
@@ -361,7 +537,7 @@ std::vector<Choice> Search::find_candidates(Models& models, std::size_t count) {
 }
 
 std::vector<Choice> Search::propose_points(std::size_t count) {
-  if (metrics_.front().empty()) return spread_points(count);
+  if (std::ranges::all_of(values_, &Surrogate::Values::empty)) return spread_points(count);
   Models models(*this);
   std::vector<Choice> open = find_candidates(models, count), chosen;
   shuffle_points(open, sim::hash(options_.seed, results_known_.size()));
@@ -370,11 +546,34 @@ std::vector<Choice> Search::propose_points(std::size_t count) {
   open.resize(std::min(open.size(), std::max(kRanked, count)));
   while (chosen.size() < count && !open.empty()) {
     const auto best = std::ranges::max_element(open, {}, log_value);
+    if (std::isinf(log_value(*best)) && !options_.exact.empty()) break;  // no other point can be better
     models.assume_estimate(*best);
     chosen.push_back(*best);
     open.erase(best);
   }
   return chosen;
+}
+
+std::optional<Estimate> Search::combine_estimates(std::size_t goal,
+                                                  std::span<const std::optional<Estimate>> figures) const {
+  std::vector<double> means;
+  double variance = 0;
+  for (const std::size_t f : options_.figures[goal].figures) {
+    if (!figures[f]) return std::nullopt;
+    means.push_back(figures[f]->mean);
+    variance = std::max(variance, figures[f]->deviation * figures[f]->deviation);
+  }
+  return Estimate{options_.figures[goal].combine(means), std::sqrt(variance)};
+}
+
+std::vector<std::vector<std::optional<Estimate>>> Search::estimate_figures(std::span<const Choice> points) {
+  const Models models(*this);
+  std::vector<std::vector<std::optional<Estimate>>> all;
+  for (const Choice& point : points) {
+    std::vector<std::optional<Estimate>>& figures = all.emplace_back();
+    for (std::size_t f = 0; f < values_.size(); ++f) figures.push_back(models.plain_estimate(f, point));
+  }
+  return all;
 }
 
 }  // namespace tools::optimise

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "tools/studies/optimise/multi_objective.h"
@@ -18,12 +19,26 @@ struct Space {
   std::function<bool(const Choice&)> is_wanted;
 };
 
+/// Figures that a goal combines, as indices: one, or one per workload.
+struct GoalFigures {
+  enum class Rule : std::uint8_t { kWorst, kMean, kGeomean };
+  std::vector<std::size_t> figures;
+  Rule rule = Rule::kWorst;
+  bool larger_is_better = true;  ///< the smallest value is the worst
+  /// Returns the value of the goal. `values`: one per entry of `figures`.
+  double combine(std::span<const double> values) const;
+};
+
+/// A figure of a point; absent if it was not simulated.
+using FigureValues = std::vector<std::optional<double>>;
+
 /// Bayesian optimisation of one or two objectives under constraints. The caller simulates the proposed points.
 ///
 /// 1. The first points are spread over the space.
-/// 2. Then a Surrogate of each metric estimates it at all points, and NSGA-II searches the estimates.
+/// 2. Then a Surrogate of each figure estimates it at all points, and NSGA-II searches the estimates.
 /// 3. The points with the largest expected hypervolume gain are proposed.
-/// 4. Noise is not optimised: noisy metrics are smoothed, and simulated points count with their smoothed values.
+/// 4. Noise is not optimised: noisy figures are smoothed, and simulated points count with their smoothed values.
+/// 5. A constraint on several workloads is met if it is met on each of them.
 ///
 /// The same seed and the same results lead to the same points.
 class Search {
@@ -31,24 +46,43 @@ class Search {
   struct Options {
     std::uint64_t seed = 1;
     std::uint32_t population = 40;  ///< population of NSGA-II; a multiple of 4, at least 8
+    /// Figures of each goal; empty: one figure per goal.
+    std::vector<GoalFigures> figures{};
+    /// By figure: computes it exactly without a simulation; null for most. May be shorter than the list of figures.
+    std::vector<std::function<double(const Choice&)>> exact{};
   };
   /// `goals`: one or two objectives, then constraints.
   Search(Space space, std::vector<Goal> goals, const Options& options);
 
-  /// Returns `count` new points without a result; fewer if no others can be found.
+  /// Returns `count` new points without a result; fewer if no others can be found or can be better.
   std::vector<Choice> propose_points(std::size_t count);
 
-  /// Adds the metrics of a point, one per goal, or none if it cannot be simulated. `errors`: standard deviations of
-  /// noisy metrics; `are_bounds`: they are assumed upper bounds, not measured.
-  void add_result(const Choice& point, const std::optional<std::vector<double>>& metrics,
+  /// Adds the figures of a point, or none if it cannot be simulated. `errors`: standard deviations of noisy figures;
+  /// `are_bounds`: they are assumed upper bounds, not measured.
+  void add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
-  /// Adds the approximate metrics of a first look at a point. The point may still be proposed.
-  void add_first_look(const Choice& point, const std::vector<double>& metrics);
+  /// Adds the simulated figures of a point. A point that lacks figures is not feasible.
+  void add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+                          bool are_bounds);
+  /// Replaces the figures of a point by more accurate ones.
+  void replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+                      bool are_bounds);
+  /// Adds the approximate figures of a first look at a point. The point may still be proposed.
+  void add_first_look(const Choice& point, const FigureValues& figures);
 
   /// Scores of the points with a result that meet all constraints.
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }
-  /// Returns the score of a point with these metrics, one per goal.
-  Score score_of(const std::vector<double>& metrics) const;
+  /// Returns the score of a point with these values of the goals.
+  Score score_of(std::span<const double> values) const;
+  /// Returns the points that differ from a point in one axis: the next values of an ordered axis, all of another.
+  std::vector<Choice> neighbours_of(const Choice& point) const;
+  bool is_wanted(const Choice& point) const { return space_.is_wanted(point); }
+  bool is_known(const Choice& point) const { return results_known_.contains(point); }
+  /// Fits the surrogates to all results and returns the estimates of all figures of each point; none for a figure
+  /// without results.
+  std::vector<std::vector<std::optional<Estimate>>> estimate_figures(std::span<const Choice> points);
+  /// Combines estimates of all figures into that of a goal; nothing if one that the goal needs is missing.
+  std::optional<Estimate> combine_estimates(std::size_t goal, std::span<const std::optional<Estimate>> figures) const;
 
  private:
   class Models;
@@ -60,21 +94,27 @@ class Search {
   std::vector<Choice> neighbours_of_front() const;
   std::vector<Choice> find_candidates(Models& models, std::size_t count);
   std::vector<Choice> evolve_points(Models& models, double optimism, std::uint64_t seed);
+  bool is_exact(std::size_t figure) const { return figure < options_.exact.size() && options_.exact[figure]; }
+  double exact_figure(std::size_t figure, const Choice& point);
+  bool has_values(std::size_t figure) const { return is_exact(figure) || !values_[figure].empty(); }
+  /// Returns the value of a goal at a simulated point; nothing if a figure is missing.
+  std::optional<double> goal_value(std::size_t goal, const Choice& point) const;
 
   const Space space_;
   const std::vector<Goal> goals_;
-  const Options options_;
+  Options options_;
   std::size_t objectives_ = 1;
   std::vector<std::size_t> genes_;  ///< axes with more than one value
   std::vector<std::uint32_t> sizes_;
   std::vector<Choice> all_;  ///< all points of a small space
 
   std::map<Choice, bool> results_known_;  ///< false: it cannot be simulated
-  /// By goal: simulated metrics, their errors, and metrics of first looks.
-  std::vector<Surrogate::Values> metrics_, errors_, looks_;
+  /// By figure: simulated values, their errors, and values of first looks.
+  std::vector<Surrogate::Values> values_, errors_, looks_;
+  std::vector<std::map<Choice, double>> exact_;  ///< by figure: values computed so far
   bool errors_are_bounds_ = false;
   std::map<Choice, Score> feasible_scores_;
-  std::vector<Surrogate> surrogates_;  ///< one per goal, then one for whether a point can be simulated
+  std::vector<Surrogate> surrogates_;  ///< one per figure, then one for whether a point can be simulated
   std::uint64_t draws_ = 0;
 };
 

@@ -3,27 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
-#include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "tools/analysis/report_file.h"
+#include "sim/report/area.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/spec/condition.h"
 
 namespace tools::optimise {
 namespace {
 
 using sweep::Point;
+using Fold = sweep::SetMetric::Kind;
 
 constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget is spread over the space
+constexpr std::uint64_t kNeighbourShare = 4;   // at most a quarter of the budget goes to neighbours of the best machine
+constexpr int kMostConfirmed = 4;              // best machines simulated whole until one meets all limits
 constexpr std::size_t kLooks = 4;              // first looks per simulated point
 constexpr std::uint64_t kMostImpossible = 10;  // impossible points tolerated for each point of the budget
-constexpr double kIdentical = 100;             // PSNR in dB given to a picture that is identical to its reference
+/// Share of tiles from which whole frames, whose work is recorded once for all machines, take no longer than samples.
+constexpr double kWorthSampling = 0.6;
+constexpr double kLargePicture = 1'000'000;  // pixels from which sampled tiles stand for the frame (docs/sampling.md)
 
 /// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {
@@ -42,20 +48,8 @@ bool is_ordered(const sweep::Axis& axis) {
   return true;
 }
 
-Space space_of(const Task& task, const sweep::Planner& planner) {
-  Space space;
-  for (const sweep::Axis& axis : task.space.axes) {
-    space.axes.push_back({static_cast<std::uint32_t>(axis.values.size()), is_ordered(axis)});
-  }
-  space.is_wanted = [&planner](const Choice& choice) { return planner.is_wanted(choice); };
-  return space;
-}
-
-void check_looks(const Task& task) {
-  parse_tile_sampling(task.looks_sampling, "none");
-  if (!task.space.reference.empty()) {
-    throw sim::InputError("does not go together with a reference; allowed: fidelity full");
-  }
+/// Throws InputError if a program of the task cannot be sampled by tiles.
+void check_programs(const Task& task) {
   check_tile_sampling(kernels::parse_program(task.space.program));
   for (const sweep::Axis& axis : task.space.axes) {
     for (std::size_t k = 0; k < axis.keys.size(); ++k) {
@@ -66,179 +60,424 @@ void check_looks(const Task& task) {
   }
 }
 
-/// Returns the numbers of a report. The infinite PSNR of an identical picture is replaced by kIdentical.
-std::vector<ReportNumber> metric_values_of(sim::Json json) {
-  const sim::JsonPointer identical("/totals/identical");
-  if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
-  return report_numbers(json);
+void check_sampling(const Task& task) {
+  parse_tile_sampling(task.sampling, "none");
+  if (!task.space.reference.empty()) {
+    throw sim::InputError("does not go together with a reference; allowed: fidelity full");
+  }
+  check_programs(task);
 }
 
-/// Returns a number of a report with its noise: of its replicates, or as assumed for the size of the picture.
-MeasuredFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& metric) {
-  const auto at = [&](const std::string& path) -> std::optional<double> {
-    const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
-    return found == numbers.end() ? std::nullopt : std::optional(found->value);
-  };
-  const std::string name = is_totals_path(metric.path) ? metric_name(metric.path) : std::string();
-  if (!is_noisy(name)) return {.value = metric.value};
-  const std::string draws = "totals.replicates.figures." + name;
-  const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");
-  if (count && mean && deviation) return {*mean, Draws{static_cast<std::size_t>(*count), *mean, *deviation}};
-  return {metric.value, std::nullopt,
-          default_noise(at("resolution[0]").value_or(0) * at("resolution[1]").value_or(0), name)};
+/// True if nothing in the task needs whole frames.
+bool may_sample(const sweep::Spec& spec) {
+  return spec.reference.empty() && spec.replicates == 1 && spec.slices == 0 && !spec.image;
+}
+
+std::vector<std::string> workload_names(const Task& task) {
+  if (!task.workloads.empty()) return task.workloads;
+  return {task.space.scene.empty() ? "the scene" : task.space.scene};
+}
+
+bool is_total_area(const Goal& goal) { return goal.metric == "area_mm2" || goal.metric == "totals.area_mm2"; }
+
+/// True if the workload does not matter for the metric of a goal whose path may not be resolved yet.
+bool is_of_machine(const Goal& goal) {
+  return sweep::is_metric_of_machine(goal.metric) || sweep::is_metric_of_machine("totals." + goal.metric);
+}
+
+Task with_defaults(Task task) {
+  if (task.sampling.empty()) task.sampling = task.fidelity == Fidelity::kSampled ? "auto" : "5%";
+  return task;
 }
 
 }  // namespace
 
 SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
-    : task_(task),
+    : task_(with_defaults(task)),
       planner_(task_.space, folder),
-      search_(space_of(task_, planner_), task_.goals, {.seed = task_.seed, .population = task_.population}) {
-  if (!task_.sampled) return;
-  try {
-    check_looks(task_);
-  } catch (const sim::InputError& error) {
-    throw sim::InputError(fmt::format("{}: fidelity sampled: {}", task_.file, error.what()));
-  }
-}
-
-void SearchRun::resolve_metrics(const std::vector<std::string>& paths) {
-  for (Goal& goal : task_.goals) {
+      evaluator_(task_.goals, workload_names(task_), task_.confidence, task_.file),
+      search_(make_space(), task_.goals, make_search_options()),
+      ruled_out_(workloads().size()) {
+  const bool is_sampled = task_.fidelity == Fidelity::kSampled || task_.fidelity == Fidelity::kTiles;
+  if (is_sampled) {
     try {
-      goal.metric = resolve_report_path(goal.metric, paths);
+      check_sampling(task_);
     } catch (const sim::InputError& error) {
-      throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
+      throw sim::InputError(fmt::format("{}: fidelity {}: {}", task_.file,
+                                        names_of(Fidelity{}).at(static_cast<std::size_t>(task_.fidelity)),
+                                        error.what()));
     }
   }
-  has_paths_ = true;
+  const Choice first(task_.space.axes.size() - (task_.workloads.empty() ? 0 : 1), 0);
+  for (std::size_t w = 0; w < workloads().size(); ++w) {
+    const Point point = planner_.make_point(on_workload(first, w), "");
+    const RunConfig& config = keys_.config_of(point);
+    const kernels::RenderConfig& render = config.render;
+    start_ = names_of(config.frame.start).at(static_cast<std::size_t>(config.frame.start));
+    resolutions_.push_back(fmt::format("{}x{}", render.width, render.height));
+    const bool is_large = double{1} * render.width * render.height >= kLargePicture;
+    tiled_.push_back(task_.fidelity == Fidelity::kTiles ||
+                     (task_.fidelity == Fidelity::kAuto && is_large && may_sample(task_.space)));
+  }
 }
 
-void SearchRun::read_metrics(Trial& trial, const sweep::Store& store) {
-  const std::optional<std::string> report = store.read_report(trial.point.id);
-  if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(trial.point.id).string()));
-  const auto json = sim::parse_json(*report);
-  trial.extrapolations = results::extrapolation_lines(json);
-  const std::vector<ReportNumber> numbers = metric_values_of(json);
-  if (!has_paths_) {
-    std::vector<std::string> paths;
-    for (const ReportNumber& number : numbers) paths.push_back(number.path);
-    resolve_metrics(paths);
+Space SearchRun::make_space() const {
+  Space space;
+  for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a) {
+    const sweep::Axis& axis = task_.space.axes[a];
+    space.axes.push_back({static_cast<std::uint32_t>(axis.values.size()), is_ordered(axis)});
   }
-  trial.is_feasible = true;
+  space.is_wanted = [this](const Choice& choice) {
+    for (std::size_t w = 0; w < workloads().size(); ++w) {
+      if (!planner_.is_wanted(on_workload(choice, w))) return false;
+    }
+    return true;
+  };
+  return space;
+}
+
+/// Lays out the figures of the search: one for each metric and workload.
+Search::Options SearchRun::make_search_options() {
+  Search::Options options{.seed = task_.seed, .population = task_.population};
+  using Key = std::tuple<std::string, std::size_t, int>;  // metric, workload, side of the quantile
+  std::map<Key, std::size_t> known;
   for (const Goal& goal : task_.goals) {
-    const auto number = std::ranges::find(numbers, goal.metric, &ReportNumber::path);
-    if (number == numbers.end() || !std::isfinite(number->value)) {
-      trial.status = PointStatus::kFailed;
-      trial.error = fmt::format("its report has no {}", goal.metric);
-      trial.is_feasible = false;
-      trial.metrics.clear();
-      trial.seen.clear();
-      return;
+    const int side = goal.is_objective() || task_.confidence == 0 ? 0 : goal.is_upper() ? 1 : -1;
+    GoalFigures& of_goal = options.figures.emplace_back();
+    of_goal.rule = goal.fold == Fold::kMean      ? GoalFigures::Rule::kMean
+                   : goal.fold == Fold::kGeomean ? GoalFigures::Rule::kGeomean
+                                                 : GoalFigures::Rule::kWorst;
+    Goal named = goal;  // directions of metrics are known by full paths
+    if (!is_totals_path(named.metric)) named.metric = "totals." + named.metric;
+    of_goal.larger_is_better = named.is_larger_better();
+    std::vector<std::size_t>& by_workload = figures_.emplace_back();
+    for (std::size_t w = 0; w < workloads().size(); ++w) {
+      const std::size_t own = is_of_machine(goal) ? 0 : w;
+      const auto [entry, is_new] = known.try_emplace(Key{goal.metric, own, side}, figure_count_);
+      if (is_new) {
+        ++figure_count_;
+        std::function<double(const Choice&)>& exact = options.exact.emplace_back();
+        const double quantile = side == 0 ? 0.5 : side > 0 ? task_.confidence : 1 - task_.confidence;
+        if (is_total_area(goal)) exact = [this, quantile](const Choice& c) { return exact_area(c, quantile); };
+      }
+      by_workload.push_back(entry->second);
+      const bool is_needed =
+          evaluator_.needs_workload(goal, w) && std::ranges::count(of_goal.figures, entry->second) == 0;
+      if (is_needed) of_goal.figures.push_back(entry->second);
     }
-    const MeasuredFigure seen = seen_figure(numbers, *number);
-    trial.metrics.push_back(seen.value);
-    trial.seen.push_back(seen);
-    trial.is_feasible = trial.is_feasible && goal.is_met(seen.value);
   }
+  const auto is_set = [](const auto& exact) { return exact != nullptr; };
+  if (std::ranges::none_of(options.exact, is_set)) options.exact.clear();
+  return options;
 }
 
-bool SearchRun::simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
-                                const Hooks& hooks) {
-  std::vector<Point> points, all;
-  std::vector<std::size_t> owners;
-  for (std::size_t f = 0; f < fresh.size(); ++f) {
-    if (fresh[f].status == PointStatus::kImpossible) continue;
-    points.push_back(fresh[f].point);
-    owners.push_back(f);
+/// Returns the area of a machine, as its reports have it.
+double SearchRun::exact_area(const Choice& choice, double quantile) {
+  const Point point = planner_.make_point(on_workload(choice, 0), "");
+  if (!point.error.empty()) return 0;
+  const RunConfig& config = keys_.config_of(point);
+  const bool rasterises = config.render.primary == kernels::Primary::kRaster;
+  return area_at(sim::compute_area(idle_units(*config.gpu, rasterises), config.energy, config.area).total, quantile);
+}
+
+Choice SearchRun::on_workload(const Choice& machine, std::size_t workload) const {
+  Choice choice = machine;
+  if (!task_.workloads.empty()) choice.insert(choice.begin(), static_cast<std::uint32_t>(workload));
+  return choice;
+}
+
+std::string SearchRun::sampling_of(const Point& point, std::size_t workload) {
+  const kernels::ProgramSpec program = kernels::parse_program(point.program);
+  if (!tiled_[workload] || !point.error.empty() || program.kind != kernels::ProgramSpec::Kind::kFull) return "";
+  if (task_.fidelity == Fidelity::kTiles) return task_.sampling;
+  const TileSampling sampling = parse_tile_sampling(task_.sampling, "none");
+  return simulated_share(keys_.config_of(point), program, sampling) < kWorthSampling ? task_.sampling : "";
+}
+
+std::string SearchRun::fidelity_text() const {
+  std::vector<std::string> sizes = resolutions_;
+  std::ranges::sort(sizes);
+  sizes.erase(std::ranges::unique(sizes).begin(), sizes.end());
+  const std::string at = fmt::format("{}, {} start", fmt::join(sizes, ", "), start_);
+  if (is_tiled()) {
+    const char* const where = task_.fidelity == Fidelity::kAuto ? " where that is quicker" : "";
+    return fmt::format("tile sampling of {} at {}{}; whole frames of the best; never a smaller picture", task_.sampling,
+                       at, where);
   }
-  if (points.empty()) return true;
+  if (task_.fidelity == Fidelity::kSampled) {
+    return fmt::format("first looks by tile sampling ({}), then whole frames of {}", task_.sampling, at);
+  }
+  return fmt::format("whole frames of {}", at);
+}
+
+Trial SearchRun::make_trial(const Choice& choice, bool looks) {
+  Trial trial;
+  trial.choice = choice;
+  trial.is_look = looks;
+  trial.batch = batches_;
+  for (std::size_t w = 0; w < workloads().size(); ++w) {
+    const Choice here = on_workload(choice, w);
+    WorkloadRun run;
+    run.point = planner_.make_point(here, looks ? task_.sampling : "");
+    const std::string sampling = looks ? "" : sampling_of(run.point, w);
+    if (!sampling.empty()) run.point = planner_.make_point(here, sampling);
+    if (!run.point.error.empty() && trial.error.empty()) {
+      trial.status = PointStatus::kImpossible;
+      trial.error = run.point.error;
+    }
+    trial.runs.push_back(std::move(run));
+  }
+  trial.id = trial.runs.front().point.id;
+  trial.axes = trial.runs.front().point.axes;
+  if (!task_.workloads.empty()) trial.axes.erase(trial.axes.begin());
+  return trial;
+}
+
+std::vector<std::size_t> SearchRun::workload_order() const {
+  std::vector<std::size_t> order;
+  for (std::size_t w = 0; w < workloads().size(); ++w) order.push_back(w);
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t w) { return ruled_out_[w]; });
+  return order;
+}
+
+std::vector<Point> SearchRun::points(bool with_looks) const {
+  std::vector<Point> all;
   for (const Trial& trial : trials_) {
-    if (trial.status != PointStatus::kImpossible) all.push_back(trial.point);
+    if (trial.is_look && !with_looks) continue;
+    for (const WorkloadRun& run : trial.runs) {
+      if (run.status != PointStatus::kMissing) all.push_back(run.point);
+    }
   }
+  for (const Trial& trial : trials_) {
+    for (std::size_t w = 0; w < trial.whole.size(); ++w) {
+      if (trial.whole[w].point.id != trial.runs[w].point.id) all.push_back(trial.whole[w].point);
+    }
+  }
+  return all;
+}
+
+bool SearchRun::simulate_runs(const std::vector<WorkloadRun*>& runs, const std::vector<Point>& others,
+                              const Machines& with) {
+  if (runs.empty()) return true;
+  std::vector<Point> points, all = others;
+  for (const WorkloadRun* run : runs) points.push_back(run->point);
   all.insert(all.end(), points.begin(), points.end());
-  hooks.announce(all);
-  const sweep::BatchEnd end = launcher.run(points, hooks.watch);
+  with.hooks.announce(all);
+  const sweep::BatchEnd end = with.launcher.run(points, with.hooks.watch);
   if (end.interrupted) return false;
   computed_ += end.count_of(PointStatus::kComputed);
   found_ += end.count_of(PointStatus::kDone);
   for (std::size_t p = 0; p < points.size(); ++p) {
-    Trial& trial = fresh[owners[p]];
+    WorkloadRun& run = *runs[p];
     if (is_done(end.statuses[p])) {
-      read_metrics(trial, store);
+      run.status = PointStatus::kDone;
+      evaluator_.read_run(run, with.store);
       continue;
     }
     if (end.statuses[p] != PointStatus::kFailed) {
       throw sim::IoError("points were not simulated because a worker stopped; run the same command again to continue");
     }
-    trial.status = PointStatus::kFailed;
-    const std::optional<sweep::Failure> failure = store.read_failure(trial.point.id);
-    trial.error = failure ? failure->error : "it failed";
+    run.status = PointStatus::kFailed;
+    const std::optional<sweep::Failure> failure = with.store.read_failure(run.point.id);
+    run.error = failure ? failure->error : "it failed";
   }
   return true;
 }
 
-bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
-                               const sweep::Store& store, const Hooks& hooks) {
+bool SearchRun::simulate_trials(std::vector<Trial>& fresh, const Machines& with) {
+  std::vector<Trial*> open;
+  for (Trial& trial : fresh) {
+    if (trial.status == PointStatus::kDone) open.push_back(&trial);
+  }
+  std::vector<Point> others = points(true);
+  for (const std::size_t w : workload_order()) {
+    std::vector<WorkloadRun*> now;
+    for (Trial* trial : open) now.push_back(&trial->runs[w]);
+    if (!simulate_runs(now, others, with)) return false;
+    for (const WorkloadRun* run : now) others.push_back(run->point);
+    std::erase_if(open, [&](Trial* trial) {
+      const WorkloadRun& run = trial->runs[w];
+      if (run.status == PointStatus::kFailed) {
+        trial->status = PointStatus::kFailed;
+        trial->error = workloads().size() == 1 ? run.error : fmt::format("{}: {}", workloads()[w], run.error);
+        return true;
+      }
+      if (!evaluator_.find_broken_limit(run, w)) return false;
+      ruled_out_[w] += 1;
+      trial->ruled_out_by = w;
+      return true;
+    });
+  }
+  return true;
+}
+
+/// Returns the values of the search's figures in the runs of a machine, and their standard deviations.
+FigureValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
+                                      bool& are_assumed) const {
+  FigureValues values(figure_count_);
+  errors.assign(figure_count_, 0);
+  for (std::size_t g = 0; g < figures_.size(); ++g) {
+    for (std::size_t w = 0; w < runs.size(); ++w) {
+      if (!runs[w].is_done()) continue;
+      values[figures_[g][w]] = runs[w].compared[g];
+      errors[figures_[g][w]] = runs[w].seen[g].standard_error();
+      are_assumed = are_assumed || runs[w].seen[g].assumed > 0;
+    }
+  }
+  return values;
+}
+
+void SearchRun::add_to_search(const Trial& trial, const Choice& choice) {
+  std::vector<double> errors;
+  bool are_assumed = false;
+  const FigureValues values = figure_values(trial.best_runs(), errors, are_assumed);
+  const bool is_done = trial.status == PointStatus::kDone;
+  if (trial.is_look) {
+    if (is_done) search_.add_first_look(choice, values);
+  } else if (!is_done) {
+    search_.add_result(choice, std::nullopt);
+  } else if (trial.whole.empty()) {
+    search_.add_partial_result(choice, values, errors, are_assumed);
+  } else {
+    search_.replace_result(choice, values, errors, are_assumed);
+  }
+}
+
+bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool looks, const Machines& with) {
   std::vector<Trial> fresh;
-  std::map<std::string, std::size_t> indices;  // index in `trials_` of each new point, by id
+  std::map<std::string, std::size_t> indices;  // index in `trials_` of each new machine, by id
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
-    Trial trial;
-    trial.point = planner_.make_point(choice, looks ? task_.looks_sampling : "");
-    trial.choice = choice;
-    trial.is_look = looks;
-    trial.batch = batches_;
-    ids.push_back(trial.point.id);
-    if (!trial.point.error.empty()) {
-      trial.status = PointStatus::kImpossible;
-      trial.error = trial.point.error;
-    }
+    Trial trial = make_trial(choice, looks);
+    ids.push_back(trial.id);
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
     if (is_known) continue;  // axis values that give the same machine as an earlier point
     indices.emplace(ids.back(), fresh.size());
     fresh.push_back(std::move(trial));
   }
-
-  if (!simulate_trials(fresh, launcher, store, hooks)) return false;
+  if (!simulate_trials(fresh, with)) return false;
   for (Trial& trial : fresh) {
-    if (!trial.is_look && trial.status != PointStatus::kImpossible) simulated_ += 1;
-    by_id_.emplace(trial.point.id, trials_.size());
+    evaluator_.set_goal_values(trial);
+    if (!trial.is_look && trial.status != PointStatus::kImpossible) {
+      simulated_ += 1;
+      skipped_ +=
+          static_cast<std::uint64_t>(std::ranges::count(trial.runs, PointStatus::kMissing, &WorkloadRun::status));
+    }
+    by_id_.emplace(trial.id, trials_.size());
     trials_.push_back(std::move(trial));
   }
   for (std::size_t c = 0; c < choices.size(); ++c) {
-    const Trial& trial = trials_[by_id_.at(ids[c])];
-    const bool is_done = trial.status == PointStatus::kDone;
+    const std::size_t index = by_id_.at(ids[c]);
     if (looks) {
-      looked_.emplace(choices[c], true);
-      if (is_done) search_.add_first_look(choices[c], trial.metrics);
+      looked_.insert(choices[c]);
     } else {
-      std::vector<double> errors;
-      std::ranges::transform(trial.seen, std::back_inserter(errors), &MeasuredFigure::standard_error);
-      const bool are_assumed = std::ranges::any_of(trial.seen, [](const MeasuredFigure& s) { return s.assumed > 0; });
-      search_.add_result(choices[c], is_done ? std::optional(trial.metrics) : std::nullopt, errors, are_assumed);
+      by_choice_.emplace(choices[c], index);
     }
+    add_to_search(trials_[index], choices[c]);
   }
   batches_ += 1;
   return true;
 }
 
-bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
-  const std::uint64_t axes = task_.space.axes.size();
+/// Simulates proposed machines until `until` have been simulated. Returns false if interrupted.
+bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
+  const std::uint64_t axes = task_.space.axes.size() - (task_.workloads.empty() ? 0 : 1);
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
-  std::uint64_t proposed_count = 0;
-  while (simulated_ < task_.budget && proposed_count < task_.budget * (kMostImpossible + 1)) {
-    const std::size_t count = std::min(simulated_ == 0 ? first : task_.batch, task_.budget - simulated_);
-    if (task_.sampled) {
+  while (simulated_ < until && proposed_ < task_.budget * (kMostImpossible + 1)) {
+    const std::size_t count = std::min(simulated_ == 0 ? std::min(first, until) : task_.batch, until - simulated_);
+    if (task_.fidelity == Fidelity::kSampled) {
       std::vector<Choice> looks = search_.propose_points(kLooks * count);
       std::erase_if(looks, [&](const Choice& choice) { return looked_.contains(choice); });
-      if (!compute_points(looks, true, launcher, store, hooks)) return false;
+      if (!compute_machines(looks, true, with)) return false;
     }
     const std::vector<Choice> proposed = search_.propose_points(count);
     if (proposed.empty()) break;
-    proposed_count += proposed.size();
-    if (!compute_points(proposed, false, launcher, store, hooks)) return false;
+    proposed_ += proposed.size();
+    if (!compute_machines(proposed, false, with)) return false;
   }
   return true;
+}
+
+/// Returns the neighbours of the best machine that are not simulated.
+std::vector<Choice> SearchRun::unknown_neighbours() {
+  const std::vector<const Trial*> front = pareto_front();
+  if (front.empty()) return {};
+  std::vector<Choice> near = search_.neighbours_of(front.front()->choice);
+  std::erase_if(near, [&](const Choice& c) { return search_.is_known(c) || !search_.is_wanted(c); });
+  return near;
+}
+
+/// Spends the rest of the budget: on the neighbours of the best machine, and on proposed machines when all are known.
+bool SearchRun::refine_best(const Machines& with) {
+  while (simulated_ < task_.budget) {
+    const std::uint64_t before = simulated_;
+    std::vector<Choice> near = unknown_neighbours();
+    near.resize(std::min<std::size_t>(near.size(), task_.budget - simulated_));
+    if (!near.empty()) {
+      if (!compute_machines(near, false, with)) return false;
+    } else if (!spend_until(std::min<std::uint64_t>(task_.budget, simulated_ + task_.batch), with)) {
+      return false;
+    }
+    if (simulated_ == before && near.empty()) return true;  // the space has no others
+  }
+  return true;
+}
+
+bool SearchRun::simulate_whole(Trial& trial, const Machines& with) {
+  if (!trial.whole.empty()) return true;
+  std::vector<WorkloadRun> whole;
+  for (std::size_t w = 0; w < workloads().size(); ++w) {
+    WorkloadRun& run = whole.emplace_back();
+    run.point = planner_.make_point(on_workload(trial.choice, w), "");
+    if (run.point.id == trial.runs[w].point.id) run = trial.runs[w];  // it was not sampled
+  }
+  std::vector<WorkloadRun*> now;
+  for (WorkloadRun& run : whole) {
+    if (run.status == PointStatus::kMissing) now.push_back(&run);
+  }
+  if (!simulate_runs(now, points(true), with)) return false;
+  for (const WorkloadRun& run : whole) {
+    if (run.status != PointStatus::kFailed) continue;
+    trial.status = PointStatus::kFailed;
+    trial.error = run.error;
+  }
+  trial.whole = std::move(whole);
+  evaluator_.set_goal_values(trial);
+  if (trial.status == PointStatus::kDone) add_to_search(trial, trial.choice);
+  return true;
+}
+
+/// Simulates whole frames of the best machine; if it breaks a limit, of the next best one.
+bool SearchRun::confirm_best(const Machines& with) {
+  for (int round = 0; round < kMostConfirmed; ++round) {
+    const std::vector<const Trial*> front = pareto_front();
+    if (front.empty() || !front.front()->whole.empty()) return true;
+    if (!simulate_whole(trials_[static_cast<std::size_t>(front.front() - trials_.data())], with)) return false;
+  }
+  return true;
+}
+
+bool SearchRun::check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
+  for (const Trial* trial : pareto_front()) {
+    if (!simulate_whole(trials_[static_cast<std::size_t>(trial - trials_.data())], {launcher, store, hooks}))
+      return false;
+  }
+  return true;
+}
+
+bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
+  const Machines with{launcher, store, hooks};
+  const bool is_single = std::ranges::count_if(goals(), &Goal::is_objective) == 1;
+  std::uint64_t reserve = 0;
+  if (is_single) {
+    for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a) {
+      reserve += task_.space.axes[a].values.size() > 1 ? 2 : 0;
+    }
+    reserve = std::min(reserve, task_.budget / kNeighbourShare);
+  }
+  if (!spend_until(task_.budget - reserve, with)) return false;
+  if (is_single && !refine_best(with)) return false;
+  return !is_single || !is_tiled() || confirm_best(with);
 }
 
 std::vector<const Trial*> SearchRun::feasible_trials() const {
@@ -251,11 +490,16 @@ std::vector<const Trial*> SearchRun::feasible_trials() const {
 
 std::vector<const Trial*> SearchRun::pareto_front() const {
   const std::vector<const Trial*> all = feasible_trials();
-  std::vector<const Trial*> pareto_front;
+  std::vector<const Trial*> front;
   std::vector<Score> scores;
-  for (const Trial* trial : all) scores.push_back(search_.score_of(trial->metrics));
-  for (const std::size_t i : pareto_front_of(scores)) pareto_front.push_back(all[i]);
-  return pareto_front;
+  const auto objectives = static_cast<std::size_t>(std::ranges::count_if(goals(), &Goal::is_objective));
+  for (const Trial* trial : all) {
+    std::vector<double> values;
+    for (std::size_t o = 0; o < objectives; ++o) values.push_back(trial->value(o));
+    scores.push_back(search_.score_of(values));
+  }
+  for (const std::size_t i : pareto_front_of(scores)) front.push_back(all[i]);
+  return front;
 }
 
 const Trial* SearchRun::least_infeasible() const {
@@ -264,10 +508,10 @@ const Trial* SearchRun::least_infeasible() const {
   for (const Trial& trial : trials_) {
     if (trial.status != PointStatus::kDone || trial.is_look) continue;
     double miss = 0;
-    for (std::size_t g = 0; g < task_.goals.size(); ++g) {
-      const Goal& goal = task_.goals[g];
-      if (goal.is_met(trial.metrics[g])) continue;
-      miss += std::abs(trial.metrics[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
+    for (std::size_t g = 0; g < goals().size(); ++g) {
+      const Goal& goal = goals()[g];
+      if (goal.is_objective() || !trial.compared[g] || goal.is_met(*trial.compared[g])) continue;
+      miss += std::abs(*trial.compared[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
     }
     if (nearest == nullptr || miss < least) {
       nearest = &trial;
@@ -275,6 +519,30 @@ const Trial* SearchRun::least_infeasible() const {
     }
   }
   return nearest;
+}
+
+std::vector<Neighbour> SearchRun::neighbours_of(const Trial& trial) {
+  std::vector<Neighbour> all;
+  std::vector<Choice> choices = search_.neighbours_of(trial.choice);
+  std::erase_if(choices, [&](const Choice& choice) { return !search_.is_wanted(choice); });
+  const auto estimates = search_.estimate_figures(choices);
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    Neighbour& near = all.emplace_back();
+    near.choice = choices[c];
+    const std::size_t shift = task_.workloads.empty() ? 0 : 1;
+    for (std::size_t a = 0; a < choices[c].size(); ++a) {
+      if (choices[c][a] == trial.choice[a]) continue;
+      const sweep::Axis& axis = task_.space.axes[a + shift];
+      near.axis = axis.name;
+      near.from = axis.values[trial.choice[a]].label;
+      near.to = axis.values[choices[c][a]].label;
+    }
+    for (std::size_t g = 0; g < goals().size(); ++g)
+      near.estimates.push_back(search_.combine_estimates(g, estimates[c]));
+    const auto found = by_choice_.find(choices[c]);
+    if (found != by_choice_.end()) near.trial = &trials_[found->second];
+  }
+  return all;
 }
 
 }  // namespace tools::optimise

@@ -1,12 +1,14 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "tools/noise/noise.h"
+#include "tools/studies/optimise/evaluation.h"
 #include "tools/studies/optimise/search.h"
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/sweep/launch/launcher.h"
@@ -15,24 +17,21 @@
 
 namespace tools::optimise {
 
-using sweep::PointStatus;
-
-/// A point proposed by the search, and its result.
-struct Trial {
-  sweep::Point point;
+/// A machine that differs from the best one in one axis.
+struct Neighbour {
   Choice choice;
-  PointStatus status = PointStatus::kDone;  ///< kDone, kFailed or kImpossible
-  bool is_look = false;                     ///< approximate: simulated with tile sampling
-  bool is_feasible = false;                 ///< it meets all constraints
-  std::uint32_t batch = 0;                  ///< number of the batch in which it was simulated
-  std::vector<double> metrics;              ///< per goal; means of the replicates, if any
-  std::vector<MeasuredFigure> seen;         ///< the metrics with their noise
-  std::string error;                        ///< reason that there are no metrics
-  std::vector<std::string> extrapolations;  ///< warnings of its report about extrapolated metrics
+  std::string axis, from, to;                      ///< axis, and its value at the best machine and here
+  std::vector<std::optional<Estimate>> estimates;  ///< by goal: what the surrogates expect
+  const Trial* trial = nullptr;                    ///< its simulation, if any
 };
 
-/// Runs a search: has points proposed, simulates them and adds their results. It is deterministic for a task, a seed
+/// Runs a search: has machines proposed, simulates them and adds their results. It is deterministic for a task, a seed
 /// and the results, so that an interrupted search continues from the simulations in the store.
+///
+/// 1. A machine is simulated on one workload after the other, first on the workload that ruled out most machines. It
+///    stops at the first workload that breaks a limit beyond the noise.
+/// 2. With one objective, up to a quarter of the budget goes to neighbours of the best machine.
+/// 3. If frames were sampled, the best machine is simulated whole. If it then breaks a limit, the next best one is.
 class SearchRun {
  public:
   /// `folder`: where relative paths of the task begin. Throws InputError for an impossible task.
@@ -48,40 +47,83 @@ class SearchRun {
   /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
   /// reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
+  /// Simulates whole frames of the machines on the front. Returns false if interrupted.
+  bool check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Simulated points that meet all constraints.
+  /// Simulated machines that meet all constraints.
   std::vector<const Trial*> feasible_trials() const;
-  /// Feasible points on the Pareto front, the best in the first objective first.
+  /// Feasible machines on the Pareto front, the best in the first objective first.
   std::vector<const Trial*> pareto_front() const;
-  /// Returns the simulated point with the smallest violation of the constraints; null if nothing could be simulated.
+  /// Returns the simulated machine with the smallest violation of the constraints; null if none could be simulated.
   const Trial* least_infeasible() const;
-  /// Returns the goals. Their metrics are full report paths once a report has been read.
-  const std::vector<Goal>& goals() const { return task_.goals; }
-  std::uint64_t simulated_count() const { return simulated_; }  ///< excluding first looks
-  std::uint64_t computed_count() const { return computed_; }    ///< trials that were not in the store
-  std::uint64_t found_count() const { return found_; }          ///< trials that were in the store
+  /// Returns the machines that differ from this one in one axis, with estimates and simulations.
+  std::vector<Neighbour> neighbours_of(const Trial& trial);
+
+  const Evaluator& evaluator() const { return evaluator_; }
+  const std::vector<Goal>& goals() const { return evaluator_.goals(); }
+  const std::vector<std::string>& workloads() const { return evaluator_.workloads(); }
+  const Task& task() const { return task_; }
+  /// Points of all simulations, in order; those of first looks only if `with_looks`.
+  std::vector<sweep::Point> points(bool with_looks) const;
+  /// "tile sampling of 5 % at 1920x1080", "whole frames of 512x256".
+  std::string fidelity_text() const;
+  /// True if frames are sampled by tiles.
+  bool is_tiled() const { return std::ranges::find(tiled_, true) != tiled_.end(); }
+  std::uint64_t simulated_count() const { return simulated_; }  ///< machines, excluding first looks
+  std::uint64_t computed_count() const { return computed_; }    ///< simulations that were not in the store
+  std::uint64_t found_count() const { return found_; }          ///< simulations that were in the store
+  std::uint64_t skipped_count() const { return skipped_; }      ///< simulations that earlier workloads made needless
 
  private:
-  /// Simulates points and adds their results to the search. Returns false if interrupted.
-  bool compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
-                      const sweep::Store& store, const Hooks& hooks);
-  /// Simulates those points that are possible and reads their metrics. Returns false if interrupted.
-  bool simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
-                       const Hooks& hooks);
-  /// Reads the metrics of a report. A missing metric sets the status to kFailed.
-  void read_metrics(Trial& trial, const sweep::Store& store);
-  void resolve_metrics(const std::vector<std::string>& paths);
+  struct Machines {
+    sweep::Launcher& launcher;
+    const sweep::Store& store;
+    const Hooks& hooks;
+  };
+  Space make_space() const;
+  Search::Options make_search_options();
+  double exact_area(const Choice& choice, double quantile);
+  Choice on_workload(const Choice& machine, std::size_t workload) const;
+  /// Returns the tile sampling of a point, empty for whole frames.
+  std::string sampling_of(const sweep::Point& point, std::size_t workload);
+  Trial make_trial(const Choice& choice, bool looks);
+  std::vector<std::size_t> workload_order() const;
+
+  /// Simulates machines and adds their results to the search. Returns false if interrupted.
+  bool compute_machines(const std::vector<Choice>& choices, bool looks, const Machines& with);
+  /// Simulates the possible machines, workload by workload. Returns false if interrupted.
+  bool simulate_trials(std::vector<Trial>& fresh, const Machines& with);
+  /// Simulates the runs of one workload and reads their results.
+  bool simulate_runs(const std::vector<WorkloadRun*>& runs, const std::vector<sweep::Point>& others,
+                     const Machines& with);
+  void add_to_search(const Trial& trial, const Choice& choice);
+  FigureValues figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
+                             bool& are_assumed) const;
+  bool spend_until(std::uint64_t until, const Machines& with);
+  std::vector<Choice> unknown_neighbours();
+  bool refine_best(const Machines& with);
+  bool simulate_whole(Trial& trial, const Machines& with);
+  bool confirm_best(const Machines& with);
 
   Task task_;
   sweep::Planner planner_;
+  sweep::PointKeys keys_;
+  Evaluator evaluator_;
+  std::vector<bool> tiled_;                        ///< by workload: frames are sampled
+  std::vector<std::string> resolutions_;           ///< by workload
+  std::string start_;                              ///< of frames: "warm"
+  std::vector<std::vector<std::size_t>> figures_;  ///< by goal and workload: index of the search's figure
+  std::size_t figure_count_ = 0;
   Search search_;
   std::vector<Trial> trials_;
   std::map<std::string, std::size_t> by_id_;
-  std::map<Choice, bool> looked_;
-  std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0;
+  std::map<Choice, std::size_t> by_choice_;
+  std::set<Choice> looked_;
+  std::vector<std::uint64_t> ruled_out_;  ///< by workload: machines that it ruled out
+  std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0, skipped_ = 0, proposed_ = 0;
   std::uint32_t batches_ = 0;
-  bool has_paths_ = false;
+  bool has_metrics_ = false;
 };
 
 }  // namespace tools::optimise

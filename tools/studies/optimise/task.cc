@@ -24,6 +24,15 @@ std::string without_blanks(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
+/// Sets the metric of a goal from "PATH", "worst(PATH)", "mean(PATH)", "geomean(PATH)" or "on(WORKLOAD, PATH)".
+void set_metric(Goal& goal, const std::string& text) {
+  if (without_blanks(text).empty()) return;
+  const sweep::SetMetric parsed = sweep::parse_set_metric(text);
+  goal.metric = parsed.path;
+  goal.fold = parsed.kind;
+  goal.workload = parsed.workload;
+}
+
 /// Parses "PATH < NUMBER", or with <=, >, >=; throws InputError for other text.
 Goal parse_constraint_goal(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
@@ -32,7 +41,7 @@ Goal parse_constraint_goal(const std::string& text) {
     Goal goal;
     goal.kind = text[sign] == '<' ? (or_equal ? Goal::Kind::kAtMost : Goal::Kind::kBelow)
                                   : (or_equal ? Goal::Kind::kAtLeast : Goal::Kind::kAbove);
-    goal.metric = without_blanks(text.substr(0, sign));
+    set_metric(goal, text.substr(0, sign));
     const std::string number = without_blanks(text.substr(sign + (or_equal ? 2 : 1)));
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), goal.limit);
     const bool is_number = error == std::errc() && std::isfinite(goal.limit) && !goal.metric.empty();
@@ -71,9 +80,11 @@ bool Goal::is_met(double value) const {
 
 std::string Goal::text() const {
   const std::string_view name = names_of(kind).at(static_cast<std::size_t>(kind));
-  return is_objective() ? fmt::format("{} {}", name, metric_name(metric))
-                        : fmt::format("{} {} {}", metric_name(metric), name, limit);
+  return is_objective() ? fmt::format("{} {}", name, metric_text())
+                        : fmt::format("{} {} {}", metric_text(), name, limit);
 }
+
+std::string Goal::metric_text() const { return sweep::SetMetric{fold, metric_name(metric), workload}.text(); }
 
 std::string Goal::distance_title() const {
   return fmt::format("room to {} {}", names_of(kind).at(static_cast<std::size_t>(kind)), limit);
@@ -96,8 +107,8 @@ using sweep::YamlValue;
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
 constexpr std::string_view kSchema = "raywatt-optimise/1";
-constexpr std::array<std::string_view, 7> kKeys = {"objectives", "constraints", "budget",  "seed",
-                                                   "population", "batch",       "fidelity"};
+constexpr std::array<std::string_view, 8> kKeys = {"objectives", "constraints", "budget",   "seed",
+                                                   "population", "batch",       "fidelity", "confidence"};
 constexpr std::size_t kMostConstraints = 16;
 
 void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
@@ -107,8 +118,12 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
     for (const YamlValue& entry : item.entries(kKinds)) {
       Goal goal;
       goal.kind = entry.key() == "max" ? Goal::Kind::kMax : Goal::Kind::kMin;
-      goal.metric = entry.text();
       goal.at = entry.where();
+      try {
+        set_metric(goal, entry.text());
+      } catch (const sim::InputError& error) {
+        entry.refuse(error.what());
+      }
       goals.push_back(std::move(goal));
     }
   }
@@ -117,10 +132,17 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
   }
 }
 
-/// Workloads are refused as an axis, because the search would choose the easiest one.
-constexpr std::string_view kOneWorkload =
-    "would make the easiest workload part of the answer; allowed: one workload, by scene, camera, frames and "
-    "resolution";
+/// Other axes of workloads are refused, because the search would choose the easiest one.
+constexpr std::string_view kWorkloadKey =
+    "would make the easiest workload part of the answer; allowed: workloads, all of which a machine is evaluated on";
+
+double read_confidence(const YamlValue& value) {
+  const std::string& text = value.text();
+  double share = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), share);
+  if (error != std::errc() || end != text.data() + text.size() || !is_confidence(share)) value.refuse(kConfidenceRange);
+  return share;
+}
 
 void read_constraints(const YamlValue& value, std::vector<Goal>& goals) {
   for (const YamlValue& item : value.items()) {
@@ -136,6 +158,13 @@ void read_constraints(const YamlValue& value, std::vector<Goal>& goals) {
 
 }  // namespace
 
+std::optional<Fidelity> parse_fidelity(std::string_view text) {
+  const auto names = names_of(Fidelity{});
+  const auto* const found = std::ranges::find(names, text);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<Fidelity>(found - names.begin());
+}
+
 Task read_task(const std::filesystem::path& file) {
   const std::string name = sim::printable(file.string());
   const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name);
@@ -143,8 +172,8 @@ Task read_task(const std::filesystem::path& file) {
   Task task;
   task.file = name;
   task.space = sweep::read_spec(root, kSchema, kKeys);
-  task.looks_sampling = std::exchange(task.space.tile_sampling, "");
-  task.sampled = !task.looks_sampling.empty();
+  task.sampling = std::exchange(task.space.tile_sampling, "");
+  if (!task.sampling.empty()) task.fidelity = Fidelity::kSampled;
   std::vector<Goal> constraints;
   for (const YamlValue& entry : root.entries()) {
     const std::string& key = entry.key();
@@ -162,19 +191,35 @@ Task read_task(const std::filesystem::path& file) {
     } else if (key == "batch") {
       task.batch = static_cast<std::uint32_t>(entry.whole_number(1, 256));
     } else if (key == "fidelity") {
-      if (entry.text() != "full" && entry.text() != "sampled") entry.refuse("allowed: full, sampled");
-      task.sampled = entry.text() == "sampled";
-    } else if (key == "workloads") {
-      entry.refuse(kOneWorkload);
+      const std::optional<Fidelity> fidelity = parse_fidelity(entry.text());
+      if (!fidelity) entry.refuse("allowed: auto, full, sampled, tiles");
+      task.fidelity = *fidelity;
+    } else if (key == "confidence") {
+      task.confidence = read_confidence(entry);
     } else if (key == "subset") {
       entry.refuse("is for sweeps; a search finds its own points");
     }
   }
-  const auto of_workloads = std::ranges::find_if(task.space.axes, &sweep::changes_workload);
-  if (of_workloads != task.space.axes.end()) sim::refuse(of_workloads->at, "axes." + of_workloads->name, kOneWorkload);
+  std::size_t first_axis = 0;
+  if (task.space.key_positions.contains("workloads")) {
+    for (const sweep::Axis::Value& value : task.space.axes.front().values) task.workloads.push_back(value.label);
+    first_axis = 1;
+  }
+  for (std::size_t a = first_axis; a < task.space.axes.size(); ++a) {
+    const sweep::Axis& axis = task.space.axes[a];
+    if (sweep::changes_workload(axis)) sim::refuse(axis.at, "axes." + axis.name, kWorkloadKey);
+  }
   if (task.goals.empty()) root.refuse("has no objectives; allowed: e.g. objectives: [{max: perf.fps}]");
   task.goals.insert(task.goals.end(), constraints.begin(), constraints.end());
-  if (task.looks_sampling.empty()) task.looks_sampling = "auto";
+  for (const Goal& goal : task.goals) {
+    try {
+      sweep::check_workload(goal.set_metric(), task.workloads);
+    } catch (const sim::InputError& error) {
+      throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
+    }
+  }
+  // Warm frames: a machine that shows a sequence. Later settings override.
+  task.space.sets.insert(task.space.sets.begin(), "frame.start=warm");
   return task;
 }
 

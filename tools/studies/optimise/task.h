@@ -2,23 +2,33 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tools/studies/sweep/spec/set_metric.h"
 #include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
 
-/// An objective or a constraint on a metric.
+/// An objective or a constraint on a metric, or on a function of its values on all workloads.
 struct Goal {
   enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
   Kind kind = Kind::kMax;
   std::string metric;  ///< a report path, or an unambiguous end of one
   double limit = 0;    ///< limit of a constraint; unused for an objective
   std::string at;      ///< "file:line:column", for messages
+  sweep::SetMetric::Kind fold = sweep::SetMetric::Kind::kEach;
+  std::string workload{};  ///< of fold kOn
 
+  sweep::SetMetric set_metric() const { return {fold, metric, workload}; }
+  /// Returns the metric as it is displayed: "worst(perf.fps)".
+  std::string metric_text() const;
+  /// True if larger values of the metric are better, so that `worst` is the smallest one.
+  bool is_larger_better() const { return sweep::is_larger_better_in(set_metric(), metric, !is_less_better()); }
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
+  bool is_less_better() const { return kind == Kind::kMin || is_upper(); }
   bool is_upper() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
   /// True if the value meets the constraint. Objectives are always met.
   bool is_met(double value) const;
@@ -33,18 +43,35 @@ struct Goal {
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
 
-/// The task of `raywatt optimise` (docs/optimise.md): axes, conditions and workload as of a sweep, and goals.
+/// How the points of a search are simulated.
+enum class Fidelity : std::uint8_t {
+  kAuto,     ///< kTiles for large pictures of full:N, else kFull
+  kFull,     ///< whole frames
+  kSampled,  ///< first looks by tile sampling, then whole frames
+  kTiles,    ///< tile sampling, then whole frames of the best point
+};
+constexpr std::array<std::string_view, 4> names_of(Fidelity) { return {"auto", "full", "sampled", "tiles"}; }
+/// Parses the name of a fidelity; nothing for another text.
+std::optional<Fidelity> parse_fidelity(std::string_view text);
+
+/// The task of `raywatt optimise` (docs/optimise.md): axes, conditions and workloads as of a sweep, and goals.
 struct Task {
   std::string file;  ///< name, for messages
   sweep::Spec space;
-  std::vector<Goal> goals;        ///< one or two objectives, then constraints
-  std::uint64_t budget = 100;     ///< points to simulate
-  std::uint64_t seed = 1;         ///< seed of all random choices
-  std::uint32_t population = 40;  ///< population of NSGA-II
-  std::uint32_t batch = 8;        ///< points simulated in parallel
-  bool sampled = false;           ///< use first looks by tile sampling
-  std::string looks_sampling;     ///< value of --tile-sampling for first looks
+  std::vector<std::string> workloads;  ///< names; the workloads are the first axis of `space`. Empty: one, without axis
+  std::vector<Goal> goals;             ///< one or two objectives, then constraints
+  std::uint64_t budget = 100;          ///< machines to simulate
+  std::uint64_t seed = 1;              ///< seed of all random choices
+  std::uint32_t population = 40;       ///< population of NSGA-II
+  std::uint32_t batch = 8;             ///< machines simulated in parallel
+  Fidelity fidelity = Fidelity::kAuto;
+  std::string sampling;   ///< value of --tile-sampling
+  double confidence = 0;  ///< required probability of each limit; 0: nominal values count
 };
+inline constexpr std::string_view kConfidenceRange = "allowed: a probability of at least 0.5 and below 1";
+/// True for a probability that a search can require. With 0.5 the nominal values nearly decide.
+constexpr bool is_confidence(double share) { return share >= 0.5 && share < 1; }
+inline constexpr const char* kSearchFile = "search.json";  ///< what the page of a search shows
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;
 
 /// Reads a task; throws InputError with file, line, column, key, error, allowed values.

@@ -12,6 +12,7 @@
 #include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/report/report.h"
+#include "tools/studies/report/search_data.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/figure_noise.h"
@@ -499,7 +500,9 @@ bool is_sweep(const fs::path& folder) {
 Json sweep_data(const fs::path& folder) {
   results::collect_if_writable(folder, "the page shows what was last collected");
   const results::Results results(folder);
-  return Sweep(folder, results).data_json();
+  Json page = Sweep(folder, results).data_json();
+  add_search(folder, page);
+  return page;
 }
 
 }  // namespace tools::pages

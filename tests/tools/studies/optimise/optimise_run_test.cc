@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <set>
 #include <sstream>
@@ -162,7 +163,7 @@ TEST_F(Optimise, ContinuesAfterAKillWithTheSameResult) {
 }
 
 TEST_F(Optimise, ReusesResultsOfASweep) {
-  ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, kAxes))).exit, 0);
+  ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, kAxes + "sets: [frame.start=warm]\n"))).exit, 0);
   out = folder.path() / "search";
   const ProcessResult ending = run(kSearch);
   EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -278,15 +279,186 @@ TEST_F(Optimise, RefusesBadTasks) {
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
   refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
   refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});
-  refused("workloads: [cornell, teapot]\n" + axes + "objectives: [{min: cycles}]\n",
-          {":3:12", "workloads", "easiest workload", "allowed: one workload"});
   for (const std::string key : {"scene: [cornell, teapot]", "resolution: [8x8, 16x16]", "frames: ['0', '1']"}) {
-    refused("axes: {cores: [1, 2], " + key + "}\nobjectives: [{min: cycles}]\n", {"axes.", "allowed: one workload"});
+    refused("axes: {cores: [1, 2], " + key + "}\nobjectives: [{min: cycles}]\n", {"axes.", "allowed: workloads"});
   }
+  const std::string set = "workloads: [cornell, teapot]\n" + axes;
+  refused(set + "objectives: [{min: cycles}]\n",
+          {":5:20", "'cycles' has a value for each of 2 workloads", "worst(cycles)"});
+  refused(set + "objectives: [{min: 'worst(cycles'}]\n", {":5:20", "the ) at the end is missing"});
+  refused(set + "objectives: [{min: area_mm2}]\nconstraints: ['on(tea, cycles) < 9']\n",
+          {":6:15", "'tea' is no workload; allowed: cornell, teapot"});
+  refused(axes + "objectives: [{min: cycles}]\nconfidence: 1\n", {"confidence", "at least 0.5 and below 1"});
+  refused(axes + "objectives: [{min: cycles}]\nfidelity: half\n", {"fidelity", "auto, full, sampled, tiles"});
   refused(axes + "objectives: [{min: cycles}]\nbugdet: 30\n", {"bugdet", "did you mean 'budget'"});
   refused("axes: {cores: [1, 1000]}\nobjectives: [{min: cycles}]\n", {"cores", "64"});
   refused("program: supersample\nfidelity: sampled\n" + axes + "objectives: [{min: cycles}]\n", {"supersample"});
   EXPECT_FALSE(fs::exists(folder.path() / "raywatt-out"));
+}
+
+// Searches over several workloads.
+
+/// 24 machines on two workloads.
+const std::string kSet = "workloads: [cornell, {scene: teapot, name: pot}]\n" + kAxes;
+
+TEST_F(Optimise, FindsTheSmallestMachineOfAWholeSpaceOnAllWorkloads) {
+  const ProcessResult all = run(kSet + "objectives: [min: worst(cycles)]\nconstraints: [area_mm2 > 0]\nbudget: 24\n");
+  ASSERT_EQ(all.exit, 0) << all.err;
+  const Json whole = read_json(out / "search.json");
+  const auto worst_of = [](const Json& trial) {
+    return std::max(trial["runs"][0]["values"][0].get<double>(), trial["runs"][1]["values"][0].get<double>());
+  };
+  std::vector<double> worst;
+  for (const Json& trial : whole["trials"]) worst.push_back(worst_of(trial));
+  ASSERT_EQ(worst.size(), 24U);
+  std::ranges::sort(worst);
+  const double limit = worst[12];  // half of the machines are too slow
+  double best = 1e9;
+  for (const Json& trial : whole["trials"]) {
+    if (worst_of(trial) < limit) best = std::min(best, trial["values"][1].get<double>());
+  }
+  const ProcessResult ending =
+      run(kSet + fmt::format("objectives: [min: area_mm2]\nconstraints: [cycles < {}]\nbudget: 24\n", limit));
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "best: min area_mm2 with cycles < ");
+  EXPECT_SAYS(ending.out, "fidelity: whole frames of 16x16, warm start");
+  EXPECT_SAYS(ending.out, "simulations needless after the first workloads");
+  EXPECT_EQ(std::stod(front()[1][6]), best);
+  EXPECT_EQ(front()[0][8], "command on cornell");
+  EXPECT_EQ(front()[0][9], "command on pot");
+  const Json found = read_json(out / "search.json");
+  for (const Json& trial : found["trials"]) {
+    if (!trial["values"][1].is_number() || trial["runs"][0]["status"] != "done") continue;
+    double most = 0;
+    for (const Json& one : trial["runs"]) {
+      if (one.contains("values")) most = std::max(most, one["values"][1].get<double>());
+    }
+    EXPECT_EQ(trial["values"][1].get<double>(), most) << "a constraint shows the worst workload";
+  }
+}
+
+TEST_F(Optimise, EndsWhenNoMachineCanBeSmaller) {
+  const ProcessResult ending = run(kAxes + "objectives: [min: area_mm2]\nconstraints: [cycles > 0]\nbudget: 24\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_LT(points_in(store), 24U) << "the area of a machine is known before it is simulated";
+  EXPECT_SAYS(front()[1].back(), "--set cores=1 --set tni.trvs=1 --set tni.trv.rays=8");
+}
+
+TEST_F(Optimise, StopsAMachineAtTheFirstWorkloadThatRulesItOut) {
+  const ProcessResult ending = run(
+      kSet + "objectives: [min: area_mm2]\nconstraints: ['on(pot, cycles) < 1', cycles > 0]\nbudget: 8\nbatch: 2\n");
+  EXPECT_EQ(ending.exit, 1);
+  std::size_t simulated = 0, later = 0;
+  for (const Json& point : history()) {
+    EXPECT_EQ(point["ruled_out_by"], "pot");
+    EXPECT_FALSE(point["feasible"]);
+    EXPECT_EQ(point["workloads"]["pot"], "done");
+    simulated += 1;
+    if (point["batch"] > 0) {
+      EXPECT_EQ(point["workloads"]["cornell"], "missing") << "the workload that rules out most comes first";
+      later += 1;
+    }
+  }
+  EXPECT_EQ(simulated, 8U) << "the budget counts machines";
+  EXPECT_GE(later, 3U);
+  EXPECT_EQ(points_in(store), 2 * simulated - later);
+}
+
+TEST_F(Optimise, TakesMeansAndWorstValuesAsObjectives) {
+  for (const std::string goal : {"worst(cycles)", "mean(cycles)", "geomean(cycles)", "on(pot, cycles)"}) {
+    const ProcessResult ending = run(kSet + fmt::format("objectives: [min: '{}']\nbudget: 24\n", goal));
+    ASSERT_EQ(ending.exit, 0) << ending.err;
+    EXPECT_SAYS(ending.out, "best: min " + goal);
+    double best = 1e18;
+    const Json search = read_json(out / "search.json");
+    for (const Json& trial : search["trials"]) {
+      const double a = trial["runs"][0]["values"][0], b = trial["runs"][1]["values"][0];
+      const double value = goal.starts_with("worst")  ? std::max(a, b)
+                           : goal.starts_with("mean") ? (a + b) / 2
+                           : goal.starts_with("geo")  ? std::sqrt(a * b)
+                                                      : b;
+      EXPECT_NEAR(trial["values"][0].get<double>(), value, 1e-9 * value) << goal;
+      best = std::min(best, value);
+    }
+    const double found = search["trials"][search["best"].get<std::size_t>()]["values"][0];
+    EXPECT_NEAR(found, best, 1e-9 * best) << "the whole space was simulated";
+  }
+}
+
+TEST_F(Optimise, BeginsFramesWarmByDefault) {
+  const std::string lines = kAxes + "objectives: [max: perf.fps]\nbudget: 4\n";
+  ASSERT_EQ(run(lines).exit, 0);
+  EXPECT_SAYS(front()[1].back(), "--set frame.start=warm");
+  const double warm = std::stod(front()[1][6]);
+  ASSERT_EQ(run(lines, {"--set", "frame.start=cold"}).exit, 0);
+  EXPECT_LT(std::stod(front()[1][6]), warm) << "misses of a cold start";
+  ASSERT_EQ(run(lines + "sets: [frame.start=cold]\n").exit, 0);
+  EXPECT_LT(std::stod(front()[1][6]), warm);
+}
+
+TEST_F(Optimise, SamplesTilesAndSimulatesTheBestMachineWhole) {
+  const std::string lines = "axes: {cores: [1, 2], tni.trvs: [1, 2, 4]}\nobjectives: [max: perf.fps]\nbudget: 6\n";
+  const ProcessResult ending = run(lines, {"--fidelity", "tiles"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out,
+              "fidelity: tile sampling of 5% at 16x16, warm start; whole frames of the best; never a smaller");
+  EXPECT_EQ(front()[1].back().find("--tile-sampling"), std::string::npos) << "the best point is a whole frame";
+  std::size_t whole = 0;
+  for (const Json& point : history()) whole += point.contains("whole") ? 1 : 0;
+  EXPECT_EQ(whole, 1U);
+  EXPECT_EQ(points_in(store), 7U);
+}
+
+TEST_F(Optimise, ChecksTheBestMachineWithWholeFrames) {
+  const std::string lines =
+      kSet + "objectives: [min: area_mm2]\nconstraints: [cycles < 1e9]\nbudget: 6\nfidelity: tiles\n";
+  const ProcessResult ending = run(lines, {"--check"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "check with whole frames:");
+  EXPECT_SAYS(ending.out, "yes");
+  const Json search = read_json(out / "search.json");
+  EXPECT_EQ(search["checked"], true);
+  for (const Json& run : search["trials"][search["best"].get<std::size_t>()]["runs"]) EXPECT_EQ(run["whole"], true);
+}
+
+TEST_F(Optimise, ShowsWhatNeighboursOfTheBestMachineChange) {
+  const ProcessResult ending =
+      run(kAxes + "objectives: [min: area_mm2]\nconstraints: [power_w.nominal < 10]\nbudget: 24\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "around the best:");
+  EXPECT_SAYS(ending.out, "power_w.nominal < 10 binds: its room is ");
+  const Json search = read_json(out / "search.json");
+  const Json& best = search["trials"][search["best"].get<std::size_t>()];
+  EXPECT_EQ(best["axes"], (Json{"1", "1", "8", "300 MHz"})) << "area grows with all axes but the clock";
+  std::set<std::string> axes;
+  for (const Json& trade : search["trades"]) {
+    axes.insert(trade["axis"]);
+    EXPECT_EQ(trade["simulated"], true) << trade;
+    for (const Json& trial : search["trials"]) {
+      if (trial["n"] == best["n"]) continue;
+      std::size_t different = 0;
+      for (std::size_t a = 0; a < 4; ++a) different += trial["axes"][a] != best["axes"][a] ? 1 : 0;
+      const bool is_it = different == 1 && std::ranges::find(trial["axes"], trade["to"]) != trial["axes"].end();
+      if (is_it && trade["axis"] == "cores" && trial["axes"][0] == "2") {
+        EXPECT_EQ(trade["gain"].get<double>(), best["values"][0].get<double>() - trial["values"][0].get<double>());
+      }
+    }
+  }
+  EXPECT_EQ(axes, (std::set<std::string>{"cores", "tni.trvs", "tni.trv.rays", "clocks.tni"}));
+}
+
+TEST_F(Optimise, RequiresAProbability) {
+  const std::string lines = kAxes + "objectives: [max: perf.fps]\nbudget: 24\nconstraints: ['power_w.nominal < 0.6']\n";
+  const ProcessResult nominal = run(lines);
+  ASSERT_EQ(nominal.exit, 0) << nominal.err;
+  EXPECT_SAYS(nominal.out, "probability by the noise and the bands of energy and area: power_w.nominal < 0.6: ");
+  const Json before = read_json(out / "search.json");
+  const ProcessResult sure = run(lines, {"--confidence", "0.9"});
+  ASSERT_EQ(sure.exit, 0) << sure.err;
+  const Json after = read_json(out / "search.json");
+  EXPECT_GE(after["probabilities"][1].get<double>(), 0.895);
+  EXPECT_GE(after["probabilities"][1].get<double>(), before["probabilities"][1].get<double>());
+  expect_refusal(raywatt(words(lines, {"--confidence", "1.5"})), {"--confidence", "at least 0.5 and below 1"});
 }
 
 TEST_F(Optimise, HasItsAmericanNameToo) {
@@ -297,9 +469,22 @@ TEST_F(Optimise, HasItsAmericanNameToo) {
 
 TEST_F(Optimise, HasAValidExample) {
   const fs::path folder_of = fs::path(tools::build_info().source_dir) / "configs/experiments";
-  const tools::optimise::Task task = tools::optimise::read_task(folder_of / "optimise-cores.yaml");
-  EXPECT_TRUE(task.space.question.ends_with("?"));
-  EXPECT_NO_THROW(tools::optimise::SearchRun(task, folder_of));
+  for (const char* name : {"optimise-cores.yaml", "phone-1080p60.yaml"}) {
+    const tools::optimise::Task task = tools::optimise::read_task(folder_of / name);
+    EXPECT_TRUE(task.space.question.ends_with("?"));
+    EXPECT_NO_THROW(tools::optimise::SearchRun(task, folder_of)) << name;
+  }
+}
+
+TEST_F(Optimise, SamplesLargePicturesByItself) {
+  const fs::path folder_of = fs::path(tools::build_info().source_dir) / "configs/experiments";
+  const tools::optimise::SearchRun large(tools::optimise::read_task(folder_of / "phone-1080p60.yaml"), folder_of);
+  EXPECT_EQ(
+      large.fidelity_text(),
+      "tile sampling of 5% at 1920x1080, warm start where that is quicker; whole frames of the best; never a smaller "
+      "picture");
+  const tools::optimise::SearchRun small(tools::optimise::read_task(folder_of / "optimise-cores.yaml"), folder_of);
+  EXPECT_EQ(small.fidelity_text(), "whole frames of 512x256, warm start");
 }
 
 TEST_F(Optimise, TakesTheSustainedFrameRateAsObjectiveAndConstraint) {

@@ -375,5 +375,99 @@ TEST(Search, FindsAFrontOfOnePoint) {
   EXPECT_GE(share(limited, search_run(limited, 1, 60)), 0.98);
 }
 
+// Goals of several figures: one per workload.
+
+/// A machine with 4^5 points and a speed on each of three workloads, which different axes limit.
+struct OnWorkloads {
+  static constexpr std::size_t kWorkloads = 3;
+  static double area(const std::vector<double>& x) { return 4 + 6 * x[0] + 3 * x[1] + 2 * x[2] + x[3] + 0.5 * x[4]; }
+  static double speed(const std::vector<double>& x, std::size_t workload) {
+    const double units = 1 + 3 * x[workload], cores = 1 + x[0] * 3, clock = 0.5 + x[4];
+    return clock * std::sqrt(units * cores) + 0.1 * x[3];
+  }
+  MadeUp space{fours(5), {kMin, {Goal::Kind::kAbove, "speed", 3.0, ""}}, [](const std::vector<double>& x) {
+                 return std::vector<double>{area(x), std::min({speed(x, 0), speed(x, 1), speed(x, 2)})};
+               }};
+  std::vector<double> position(const Choice& choice) const {
+    std::vector<double> x;
+    for (const std::uint32_t value : choice) x.push_back(value / 3.0);
+    return x;
+  }
+  double least_area() const {
+    double best = 1e9;
+    for (const Choice& choice : space.points()) {
+      const std::vector<double> metrics = space.metrics(choice);
+      if (metrics[1] > 3.0) best = std::min(best, metrics[0]);
+    }
+    return best;
+  }
+  /// Returns the least area that a search finds. Machines stop at the first workload that breaks the limit.
+  double found_area(std::uint64_t seed, bool knows_area, std::size_t budget) const {
+    Search::Options options{.seed = seed};
+    options.figures = {{{0}}, {{1, 2, 3}}};
+    if (knows_area) options.exact = {[&](const Choice& c) { return area(position(c)); }};
+    Search search({space.axes, space.is_wanted}, space.goals, options);
+    for (std::size_t all = 0; all < budget;) {
+      const std::vector<Choice> proposed =
+          search.propose_points(all == 0 ? 12 : std::min<std::size_t>(4, budget - all));
+      if (proposed.empty()) break;
+      all += proposed.size();
+      for (const Choice& choice : proposed) {
+        const std::vector<double> x = position(choice);
+        tools::optimise::FigureValues figures(4);
+        figures[0] = area(x);
+        for (std::size_t w = 0; w < kWorkloads; ++w) {
+          figures[w + 1] = speed(x, w);
+          if (speed(x, w) <= 3.0) break;
+        }
+        search.add_partial_result(choice, figures, {}, false);
+      }
+    }
+    double best = 1e9;
+    for (const auto& [point, score] : search.feasible_scores()) best = std::min(best, -score[0]);
+    return best;
+  }
+};
+
+TEST(Search, FindsTheLeastAreaOnAllWorkloadsAlthoughRuledOutMachinesLackFigures) {
+  const OnWorkloads machines;
+  std::size_t good = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    good += machines.found_area(seed, false, 48) <= 1.02 * machines.least_area() ? 1 : 0;
+  }
+  EXPECT_GE(good, 9U);
+}
+
+TEST(Search, NeedsFewerMachinesIfTheAreaIsKnown) {
+  const OnWorkloads machines;
+  std::size_t good = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    good += machines.found_area(seed, true, 36) <= 1.02 * machines.least_area() ? 1 : 0;
+  }
+  EXPECT_GE(good, 9U);
+}
+
+TEST(Search, CombinesFiguresOfAGoal) {
+  using Rule = GoalFigures::Rule;
+  const std::vector<double> values = {2, 4, 27};
+  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kWorst, true}.combine(values)), 2);
+  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kWorst, false}.combine(values)), 27);
+  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kMean, true}.combine(values)), 11);
+  EXPECT_NEAR((GoalFigures{{0, 1, 2}, Rule::kGeomean, true}.combine(values)), 6, 1e-12);
+}
+
+TEST(Search, PointsWithoutAFigureAreNotFeasible) {
+  Search::Options options;
+  options.figures = {{{0}}, {{1, 2}}};
+  const Goal above{Goal::Kind::kAbove, "g", 1, ""};
+  Search search({fours(2), [](const Choice&) { return true; }}, {kMin, above}, options);
+  search.add_partial_result({0, 0}, {5.0, 2.0, std::nullopt}, {}, false);
+  EXPECT_TRUE(search.feasible_scores().empty());
+  search.add_partial_result({0, 1}, {5.0, 2.0, 3.0}, {}, false);
+  EXPECT_EQ(search.feasible_scores().size(), 1U);
+  search.replace_result({0, 1}, {5.0, 2.0, 0.5}, {}, false);
+  EXPECT_TRUE(search.feasible_scores().empty()) << "whole frames broke the limit";
+}
+
 }  // namespace
 }  // namespace test

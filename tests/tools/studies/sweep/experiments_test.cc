@@ -15,8 +15,7 @@ using namespace tools::sweep;
 std::vector<fs::path> experiments() {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(fs::path(tools::build_info().source_dir) / "configs/experiments")) {
-    const bool is_search = entry.path().filename().string().starts_with("optimise-");
-    if (!is_search) files.push_back(entry.path());
+    if (read_bytes(entry.path()).starts_with("schema: raywatt-sweep/")) files.push_back(entry.path());
   }
   std::ranges::sort(files);
   return files;

@@ -553,8 +553,10 @@ std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, c
                                                                                 .retry_failed = options.retry_failed,
                                                                                 .arguments = std::move(arguments)});
   }
-  return sweep::make_local_launcher(
-      folder.store(), {.jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log_folder()});
+  return sweep::make_local_launcher(folder.store(), {.jobs = options.jobs,
+                                                     .retry_failed = options.retry_failed,
+                                                     .keep_streams = options.keep_streams,
+                                                     .log = folder.log_folder()});
 }
 
 }  // namespace tools

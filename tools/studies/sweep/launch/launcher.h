@@ -95,6 +95,7 @@ struct LauncherOptions {
   bool retry_failed = false;
   std::vector<std::string> slurm_arguments;
   std::uint64_t chunk = 0;
+  bool keep_streams = false;  ///< as in LocalOptions
 };
 
 /// Throws InputError for options that belong to another launcher than the chosen one.

@@ -19,7 +19,7 @@ namespace {
 using namespace tools::results;
 
 nlohmann::ordered_json report_with_area(double cycles, double area = 1) {
-  nlohmann::ordered_json report = made_report(cycles);
+  nlohmann::ordered_json report = minimal_report(cycles);
   report["resolution"] = {1024, 512};
   report["totals"]["area_mm2"] = area;
   return report;

@@ -1,0 +1,209 @@
+#include "tools/studies/optimise/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/json.h"
+#include "tools/analysis/report_file.h"
+#include "tools/studies/sweep/results/figure_noise.h"
+
+namespace tools::optimise {
+namespace {
+
+using Fold = sweep::SetMetric::Kind;
+
+constexpr double kIdentical = 100;  // PSNR in dB given to a picture that is identical to its reference
+
+/// Replaces the infinite PSNR of an identical picture by kIdentical.
+void limit_psnr(sim::Json& json) {
+  const sim::JsonPointer identical("/totals/identical");
+  if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
+}
+
+/// Returns half of the 95 % interval of an estimate of tile sampling, as a share of it; 0 for exact figures.
+double sampling_error(const ReportFile& report, const std::string& figure) {
+  const std::string path = "totals.sampled." + figure;
+  const double estimate = report.number(path + ".estimate");
+  return estimate == 0 ? 0 : (report.number(path + ".high") - report.number(path + ".low")) / 2 / estimate;
+}
+
+/// Returns a metric of a report with its noise: of its replicates, or as assumed for the size of the picture and for
+/// its tile sampling.
+MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
+  const double value = report.number(path);
+  const std::string name = is_totals_path(path) ? metric_name(path) : std::string();
+  if (!is_noisy(name)) return {.value = value};
+  const std::string draws = "totals.replicates.figures." + name;
+  if (report.has("totals.replicates.count") && report.has(draws + ".mean")) {
+    const Draws drawn{static_cast<std::size_t>(report.number("totals.replicates.count")),
+                      report.number(draws + ".mean"), report.number(draws + ".deviation")};
+    return {drawn.mean, drawn};
+  }
+  const double pixels = report.number("resolution[0]") * report.number("resolution[1]");
+  // Intervals of single values are narrower than those of differences of two.
+  const double sampled =
+      std::numbers::sqrt2 * std::max(sampling_error(report, "cycles"), sampling_error(report, "energy_mj"));
+  return {value, std::nullopt, std::hypot(default_noise(pixels, name), sampled)};
+}
+
+/// True for a constraint that is met if it is met on each workload.
+bool is_on_each(const Goal& goal) {
+  return goal.fold == Fold::kEach || (goal.fold == Fold::kWorst && goal.is_larger_better() != goal.is_upper());
+}
+
+}  // namespace
+
+bool Trial::is_complete() const {
+  return !seen.empty() && std::ranges::all_of(seen, [](const auto& s) { return s.has_value(); });
+}
+
+std::vector<std::string> Trial::extrapolations() const {
+  std::vector<std::string> all;
+  for (const WorkloadRun& run : best_runs()) {
+    for (const std::string& line : run.extrapolations) {
+      if (std::ranges::find(all, line) == all.end()) all.push_back(line);
+    }
+  }
+  return all;
+}
+
+void Evaluator::resolve_metrics(const std::vector<std::string>& paths) {
+  for (Goal& goal : goals_) {
+    try {
+      goal.metric = resolve_report_path(goal.metric, paths);
+      if (goal.is_objective()) sweep::check_ranks_machines(goal.set_metric(), goal.metric, workloads_);
+    } catch (const sim::InputError& error) {
+      throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
+    }
+  }
+  has_paths_ = true;
+}
+
+void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
+  const std::optional<std::string> bytes = store.read_report(run.point.id);
+  if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(run.point.id).string()));
+  ReportFile report = parse_report(*bytes, store.folder_of(run.point.id) / "report.json");
+  limit_psnr(report.json);
+  if (report.json["totals"].contains("psnr_db") && report.json["totals"]["psnr_db"].is_number()) {
+    report.numbers["totals.psnr_db"] = report.json["totals"]["psnr_db"].get<double>();
+  }
+  run.extrapolations = results::extrapolation_lines(report.json);
+  if (!has_paths_) {
+    std::vector<std::string> paths;
+    for (const auto& [path, value] : report.numbers) paths.push_back(path);
+    resolve_metrics(paths);
+  }
+  std::optional<TableDraws> draws;
+  for (const Goal& goal : goals_) {
+    if (!report.has(goal.metric) || !std::isfinite(report.number(goal.metric))) {
+      run.status = PointStatus::kFailed;
+      run.error = fmt::format("its report has no {}", goal.metric);
+      run.seen.clear();
+      run.compared.clear();
+      return;
+    }
+    const MeasuredFigure& seen = run.seen.emplace_back(seen_figure(report, goal.metric));
+    run.compared.push_back(seen.value);
+    if (goal.is_objective() || confidence_ == 0) continue;
+    if (!draws) draws.emplace(report);
+    run.compared.back() = draws->spread_of(goal.metric, seen).quantile(goal.is_upper() ? confidence_ : 1 - confidence_);
+  }
+}
+
+bool Evaluator::needs_workload(const Goal& goal, std::size_t workload) const {
+  if (goal.fold == Fold::kOn) return goal.workload == workloads_[workload];
+  return true;
+}
+
+std::optional<std::size_t> Evaluator::find_broken_limit(const WorkloadRun& run, std::size_t workload) const {
+  if (!run.is_done()) return std::nullopt;
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    const Goal& goal = goals_[g];
+    const bool is_alone = workloads_.size() == 1 || goal.fold == Fold::kOn || is_on_each(goal);
+    if (goal.is_objective() || !is_alone || !needs_workload(goal, workload)) continue;
+    const double value = run.compared[g];
+    if (!goal.is_met(value) && std::abs(value - goal.limit) > run.seen[g].half_width()) return g;
+  }
+  return std::nullopt;
+}
+
+std::vector<sweep::WorkloadValue> Evaluator::values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const {
+  std::vector<sweep::WorkloadValue> values;
+  for (std::size_t w = 0; w < runs.size(); ++w) {
+    values.push_back({workloads_[w], runs[w].is_done() ? std::optional(runs[w].seen[goal]) : std::nullopt});
+  }
+  return values;
+}
+
+void Evaluator::set_goal_values(Trial& trial) const {
+  const std::vector<WorkloadRun>& runs = trial.best_runs();
+  trial.seen.assign(goals_.size(), std::nullopt);
+  trial.compared.assign(goals_.size(), std::nullopt);
+  trial.is_feasible = trial.status == PointStatus::kDone;
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    const Goal& goal = goals_[g];
+    std::vector<sweep::WorkloadValue> values = values_of(runs, g);
+    const bool is_each = goal.fold == Fold::kEach || goal.fold == Fold::kWorst;
+    const bool is_incomplete = std::ranges::any_of(values, [](const auto& v) { return !v.seen; });
+    // Of a machine that was ruled out, the worst of its workloads so far is shown.
+    if (is_each && (!goal.is_objective() || sweep::is_metric_of_machine(goal.metric))) {
+      std::erase_if(values, [](const auto& v) { return !v.seen; });
+    }
+    trial.seen[g] = sweep::evaluate_set_metric(goal.set_metric(), values, goal.is_larger_better());
+    if (goal.is_objective()) continue;
+    for (sweep::WorkloadValue& value : values) {
+      const auto w = static_cast<std::size_t>(std::ranges::find(workloads_, value.workload) - workloads_.begin());
+      if (value.seen) *value.seen = {.value = runs[w].compared[g]};
+    }
+    const auto compared = sweep::evaluate_set_metric(goal.set_metric(), values, goal.is_larger_better());
+    if (compared) trial.compared[g] = compared->value;
+    const bool needs_all = goal.fold != Fold::kOn;
+    trial.is_feasible = trial.is_feasible && compared && goal.is_met(compared->value) && !(needs_all && is_incomplete);
+  }
+  trial.is_feasible = trial.is_feasible && trial.is_complete();
+}
+
+Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
+  const std::vector<WorkloadRun>& runs = trial.best_runs();
+  std::vector<std::vector<FigureSpread>> spreads;  // by workload and goal
+  for (const WorkloadRun& run : runs) {
+    std::vector<FigureSpread>& of_run = spreads.emplace_back();
+    const std::optional<std::string> bytes = store.read_report(run.point.id);
+    if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(run.point.id).string()));
+    const ReportFile report = parse_report(*bytes, store.folder_of(run.point.id) / "report.json");
+    TableDraws draws(report);
+    for (std::size_t g = 0; g < goals_.size(); ++g) of_run.push_back(draws.spread_of(goals_[g].metric, run.seen[g]));
+  }
+  Odds odds{std::vector<double>(goals_.size()), 0, {}};
+  std::vector<std::vector<double>> drawn(goals_.size());
+  for (std::size_t draw = 0; draw < kTableDraws; ++draw) {
+    double all = 1;
+    for (std::size_t g = 0; g < goals_.size(); ++g) {
+      const Goal& goal = goals_[g];
+      std::vector<sweep::WorkloadValue> values;
+      for (std::size_t w = 0; w < runs.size(); ++w) values.push_back({workloads_[w], spreads[w][g].at(draw)});
+      const auto seen = sweep::evaluate_set_metric(goal.set_metric(), values, goal.is_larger_better());
+      drawn[g].push_back(seen ? seen->value : 0);
+      double chance = seen && !goal.is_objective() ? probability_met(goal, *seen) : 1;
+      // On each workload: their noise is independent. The area is that of one machine.
+      if (!goal.is_objective() && is_on_each(goal) && !sweep::is_metric_of_machine(goal.metric)) {
+        chance = 1;
+        for (const sweep::WorkloadValue& value : values) chance *= probability_met(goal, *value.seen);
+      }
+      odds.met[g] += chance / double{kTableDraws};
+      all *= chance;
+    }
+    odds.all += all / double{kTableDraws};
+  }
+  for (std::vector<double>& values : drawn) {
+    std::ranges::sort(values);
+    odds.bands.emplace_back(values[kTableDraws / 10], values[kTableDraws - 1 - kTableDraws / 10]);
+  }
+  return odds;
+}
+
+}  // namespace tools::optimise

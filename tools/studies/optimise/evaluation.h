@@ -1,0 +1,98 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/noise/noise.h"
+#include "tools/studies/optimise/table_draws.h"
+#include "tools/studies/optimise/task.h"
+#include "tools/studies/sweep/spec/point.h"
+#include "tools/studies/sweep/store/store.h"
+
+namespace tools::optimise {
+
+using sweep::Choice;
+using sweep::PointStatus;
+
+/// The simulation of a machine on one workload.
+struct WorkloadRun {
+  sweep::Point point;
+  PointStatus status = PointStatus::kMissing;  ///< kMissing: not simulated
+  std::vector<MeasuredFigure> seen;            ///< by goal: its metric on this workload, with its noise
+  /// By goal: the value that is compared with a limit. With a confidence, a quantile of `seen`.
+  std::vector<double> compared;
+  std::string error;                        ///< reason that there are no metrics
+  std::vector<std::string> extrapolations;  ///< warnings of its report about extrapolated metrics
+
+  bool is_done() const { return sweep::is_done(status) && !seen.empty(); }
+};
+
+/// A machine proposed by the search, and its results.
+struct Trial {
+  Choice choice;                                          ///< values of the machine's axes
+  std::vector<std::pair<std::string, std::string>> axes;  ///< names and values
+  std::string id;                                         ///< of its point on the first workload
+  PointStatus status = PointStatus::kDone;                ///< kDone, kFailed or kImpossible
+  bool is_look = false;                                   ///< approximate: simulated with tile sampling
+  bool is_feasible = false;                               ///< it meets all constraints
+  std::uint32_t batch = 0;                                ///< number of the batch in which it was simulated
+  std::vector<WorkloadRun> runs;                          ///< by workload
+  std::vector<WorkloadRun> whole;                         ///< by workload: whole frames; empty if not simulated
+  std::vector<std::optional<MeasuredFigure>> seen;        ///< by goal; nothing if workloads are missing
+  std::vector<std::optional<double>> compared;            ///< by goal: the value that is compared with its limit
+  std::optional<std::size_t> ruled_out_by;                ///< workload that broke a limit beyond the noise
+  std::string error;                                      ///< reason that there are no metrics
+
+  const std::vector<WorkloadRun>& best_runs() const { return whole.empty() ? runs : whole; }
+  /// Returns the value of a goal that has one.
+  double value(std::size_t goal) const { return seen[goal]->value; }
+  /// True if all its goals have values.
+  bool is_complete() const;
+  std::vector<std::string> extrapolations() const;  ///< of all its workloads, each once
+};
+
+/// Probabilities that a machine meets its limits.
+struct Odds {
+  std::vector<double> met;  ///< by goal; 1 for objectives
+  double all = 0;           ///< that all limits are met
+  /// By goal: the values that 10 % and 90 % of the draws of the tables are below, without noise.
+  std::vector<std::pair<double, double>> bands;
+};
+
+/// Reads results of simulations as values of the goals.
+class Evaluator {
+ public:
+  /// `workloads`: at least one name.
+  Evaluator(std::vector<Goal> goals, std::vector<std::string> workloads, double confidence, std::string file)
+      : goals_(std::move(goals)), workloads_(std::move(workloads)), confidence_(confidence), file_(std::move(file)) {}
+
+  /// Goals; their metrics have full report paths after the first report.
+  const std::vector<Goal>& goals() const { return goals_; }
+  const std::vector<std::string>& workloads() const { return workloads_; }
+
+  /// Reads the report of a finished run. A missing metric sets the status to kFailed. Throws InputError, the first
+  /// time, for a metric that reports do not have.
+  void read_run(WorkloadRun& run, const sweep::Store& store);
+  /// True if a goal needs this workload.
+  bool needs_workload(const Goal& goal, std::size_t workload) const;
+  /// Returns the first constraint that this workload alone breaks by more than the noise.
+  std::optional<std::size_t> find_broken_limit(const WorkloadRun& run, std::size_t workload) const;
+  /// Sets `seen` and `is_feasible` of a machine from its runs.
+  void set_goal_values(Trial& trial) const;
+
+  /// Returns the probabilities that a machine meets its limits, by the noise and the bands of the tables.
+  Odds odds_of(const Trial& trial, const sweep::Store& store) const;
+
+ private:
+  void resolve_metrics(const std::vector<std::string>& paths);
+  std::vector<sweep::WorkloadValue> values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const;
+
+  std::vector<Goal> goals_;
+  const std::vector<std::string> workloads_;
+  const double confidence_;
+  const std::string file_;
+  bool has_paths_ = false;
+};
+
+}  // namespace tools::optimise
