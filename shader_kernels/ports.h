@@ -30,8 +30,8 @@ struct Cached;
 /// the cache's address generator finds its one to four lines.
 template <class V>
 struct Texels;
-/// A port for the length of a list to which a kernel appends. If `keep` is false, the next record overwrites the one
-/// stored at next_index(keep).
+/// A port for the length of a list to which a kernel appends records. next_index(keep) returns the index after the last
+/// record. If `keep` is false, the record stored at this index is dropped: the next one overwrites it.
 template <class V>
 struct Counter;
 /// A port for a loop-carried value, which each item of a kernel passes to the next item.

@@ -171,7 +171,8 @@ struct SurfaceRecord {
   }
 };
 
-/// State of a sub-pixel in supersample between rounds of propagation; kernels/subpixels.h defines its bits.
+/// State word of a sub-pixel that the program supersample keeps between rounds of propagation. kernels/subpixels.h
+/// defines its bits.
 template <class V>
 struct SubpixelRecord {
   I<V> red_green, blue_why;

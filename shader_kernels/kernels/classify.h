@@ -28,7 +28,7 @@ struct ClassifyHits {
   }
 };
 
-/// Appends the surface in ray slot `slot` to the list `stream` if `bit` is set in the surface's material classes.
+/// Appends the surface in ray slot `slot` to the list `stream` if the surface has the material class `bit`.
 template <class V>
 void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit,
                          const Local<V, WordRecord>& stream, Counter<V>& count) {

@@ -193,7 +193,8 @@ struct RecordCounted : Fused<RecordGlobal, CountColoured> {
   static constexpr std::string_view kMeaning = "record_global, count_coloured";
 };
 
-/// Stores a pixel with one sample, and the identity of that sample for the first scan of post-correction.
+/// Fused kernel for a pixel with one sample: packs the colour, and stores the sample's identity word for the first scan
+/// of post-correction.
 template <bool kShadows>
 struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
   using Identities = StoreIdentities<kShadows>;

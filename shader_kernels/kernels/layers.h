@@ -144,8 +144,8 @@ struct TestShadow {
   }
 };
 
-/// Stores the hits of continued rays in the slots of the original rays. Lists those hits that must be tested for
-/// transparency in the next round.
+/// Stores the hits of rays that continued after a transparent surface in the slots of the original rays. Lists those
+/// hits that must be tested for transparency in the next round.
 struct ScatterLayers {
   static constexpr std::string_view kName = "scatter_layers";
   static constexpr std::string_view kMeaning = "continuing ray -> its hit into the slot of the ray that it continues";

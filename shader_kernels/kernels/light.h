@@ -42,13 +42,13 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Material classes that delay the lighting of a surface. Their kernels change its base colour, or add or remove light
-/// before or between the scene's lights.
+/// Material classes (textured, emissive, occluded) that delay the lighting of a surface. Their kernels change the
+/// surface's base colour, or add or remove light before or between the scene's lights.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// True for diffuse surfaces that can be lit as soon as they are fetched, because no kernel for another of the
-/// surface's classes must run first.
+/// True for surfaces that are diffuse and have no class in kDeferredClasses: they can be lit as soon as they are
+/// fetched, because no texture, emission or occlusion must be applied first.
 template <class V>
 M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);

@@ -119,7 +119,7 @@ struct Similarity {
   F<V> filter_weight() const { return select(same_shadows, exp_negative<V>(depth + normal), F<V>(0.0F)); }
 };
 
-/// Sum of exponents at which a filter weight is one half (ln 2).
+/// Sum of a filter weight's exponents at which the weight is one half: ln 2.
 inline constexpr float kHalved = 0.69314718F;
 /// Smallest sum of filter weights that counts; a sample with less has no similar shaded sample.
 inline constexpr float kLeastWeight = 1e-30F;
@@ -383,7 +383,8 @@ struct ListContrasts {
   }
 
  private:
-  /// True if the colours of one layer differ too much around the sample `centre`.
+  /// True if the colours of one layer of light (surface, mirrored, refracted) differ too much around the sample
+  /// `centre`.
   template <class V>
   static M<V> colours_differ(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& io) {
     const I<V> own = to_int(centre);
@@ -449,7 +450,7 @@ struct GenerateContrastRays {
   }
 };
 
-/// Averages the four samples, by now all shaded, of a pixel in a list.
+/// Averages the four samples of a listed pixel. All four are shaded by then.
 template <std::uint32_t kBranches>
 struct AverageContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"average_contrasts", "average_contrasts_branch",

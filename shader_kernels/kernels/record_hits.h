@@ -106,7 +106,7 @@ I<V> object_record_index(const InstanceHitRecord<V>& hit) {
   return instance_index_of<V>(hit);
 }
 
-/// Returns the object id, with kTexturedObject set if the material classes include a texture.
+/// Returns an object id, with the flag kTexturedObject if the surface has a textured material.
 template <class V>
 I<V> with_textured_flag(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
@@ -231,8 +231,8 @@ struct RecordSurface {
   }
 };
 
-/// Uniforms of kernel record_secondary for one bounce. `way` is a hash key of the bounce: a sample that hits the same
-/// objects in another order gets another hash.
+/// Uniforms of kernel record_secondary for one bounce. `way` is a hash key of the bounce, so that samples that hit the
+/// same objects in different order get different hashes.
 template <class V>
 struct BounceUniforms {
   I<V> way;

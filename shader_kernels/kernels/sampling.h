@@ -94,7 +94,8 @@ struct TrilinearSample {
   F<V> blend_levels(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
-/// Mask of the texture number in TexcoordRecord::texture; in scenes with mip maps the other bits are the footprint.
+/// Mask of the texture number in TexcoordRecord::texture. In scenes with mip maps the other bits are the footprint of
+/// the ray.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
 I<V> pack_footprint(const I<V>& texture, const F<V>& footprint) {
@@ -156,9 +157,9 @@ struct DetailPorts : TexturePorts<V, kMips> {
     TexturePorts<V, kMips>::describe(p, port);
     name_all(port, NAMED_ALL(p.stream, p.mattes, p.texcoords, p.tangents));
   }
-  /// Looks up a texture with the first set of texture coordinates, or with the second set if `classes` has the flag
-  /// `second`. Look-ups with the second set read mip level 0, because the ray's footprint is known in the first set
-  /// only.
+  /// Looks up a texture with the first set of texture coordinates, or with the second set if the surface's material
+  /// classes have the flag `second`. Look-ups with the second set read mip level 0, because the ray's footprint is
+  /// known in the first set only.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
     const M<V> use_second = has_flag<V>(classes, second);

@@ -110,8 +110,8 @@ struct InterpolateAll {
   }
 };
 
-/// Ports of kernels that check samples: they store the failed checks in `verdicts` and append the sample to one of two
-/// lists.
+/// Ports of kernels that check samples for similarity. They store each sample's failed checks in `verdicts`, and append
+/// the sample to the list of those that passed or to that of those that failed.
 template <class V>
 struct VerdictPorts {
   LineUniforms<V> line;
@@ -212,8 +212,8 @@ struct CheckSimilarity {
   }
 };
 
-/// Interpolates the geometry record of a sample, which becomes a reference for checks along the other axis. Attributes
-/// are copied if the checks require them to be equal.
+/// Interpolates the geometry record of a sample. The sample then becomes a reference for the checks along the other
+/// axis. Attributes are copied if the checks require them to be equal.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {unit_vector(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
@@ -387,9 +387,9 @@ inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 
-/// One pass of post-correction (Kim et al. 2016, section 4). An interpolated sample is listed, to be traced, if a
-/// traced neighbour has another identity. Indices differ by `step` between samples of a line, and by `line_step`
-/// between lines.
+/// One pass of post-correction (Kim et al. 2016, section 4). An interpolated sample is listed for tracing if a traced
+/// neighbour has another identity word. Indices differ by `step` between samples of a line, and by `line_step` between
+/// lines.
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";

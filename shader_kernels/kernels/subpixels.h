@@ -42,7 +42,7 @@ inline constexpr std::array<float, 3> kChannelFactors{1.36F, 1.02F, 2.04F};
 /// A contrast threshold that no contrast reaches.
 inline constexpr float kNever = 4.0F;
 
-/// Number of active sub-pixels in a chunk, which kernels process together.
+/// Number of active sub-pixels that are sampled together (a chunk).
 inline constexpr std::uint32_t kChunk = 64;
 /// Number of samples of an active sub-pixel; number in a pixel whose four sub-pixels are active; side of their grid.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
@@ -250,7 +250,7 @@ struct WeighCentres {
 // Size in pixels of a block of pixels whose sub-pixels are listed together. Blocks may extend beyond the tile's edges.
 inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 
-/// Lists the active sub-pixels in chunks of 64, block by block (Jin et al. 2009).
+/// Lists the active sub-pixels of a tile in chunks of 64, in the order of blocks of pixels (Jin et al. 2009).
 ///
 /// 1. The sub-pixels of a pixel stay in one chunk; entries at a chunk's end may be left empty for that.
 /// 2. Pixels with active sub-pixels are also listed, in the same order, as masters. Each chunk completes the masters
@@ -418,8 +418,8 @@ F<V> state_index(const I<V>& subpixel, const StateUniforms<V>& states) {
   return states.first + row * states.pitch + column;
 }
 
-/// Packs a sub-pixel's colour and state. `cause` contains the attributes and the round that made it active, shifted to
-/// their bits.
+/// Packs a sub-pixel's colour and state into two words. `cause`: attributes that differed and round that made the
+/// sub-pixel active, already shifted to their bits.
 template <class V>
 SubpixelRecord<V> pack_state(const Vec3<V>& colour, const I<V>& cause) {
   const auto channel = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 65535.0F + 0.5F); };
@@ -554,7 +554,8 @@ struct PropagateSubpixels {
   }
 
  private:
-  /// Minimum and maximum of each channel over the compared neighbours, and the attributes that made them active.
+  /// Minimum and maximum of each colour channel over the neighbours that are compared, and the attributes for which
+  /// these neighbours became active.
   template <class V>
   struct Range {
     Vec3<V> least, most;

@@ -82,7 +82,7 @@ struct Canvas {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
-  /// Returns the frame's picture, darkened, with those samples in white whose sample mark has `bit`.
+  /// Returns the frame's picture, darkened, in which the samples whose debug mark contains `bit` are white.
   DebugPicture marked_picture(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {

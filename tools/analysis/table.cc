@@ -80,7 +80,7 @@ std::string slices_text(const Json& sliced) {
   return fmt::format("{}{}", count, count > 1 ? ", added up; ± is the half-width of a 95 % interval" : "");
 }
 
-/// Formats scene, size and program, and whether the run is complete.
+/// Formats the heading of a report: scene, picture size, program, and a warning if the run is incomplete.
 std::string heading_text(const Json& report) {
   const Json& frames = report["frames"];
   std::string out;

@@ -167,8 +167,8 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   return safe_ratio(requests, banks.sum_of(&L2Stats::reads) + banks.sum_of(&L2Stats::writes));
 }
 
-/// Returns the time that all node visits would take at the rate reached while every ray slot was in use. If all slots
-/// were rarely in use, it uses the overall rate.
+/// Returns the time that all node visits would take at the rate reached while every ray slot was in use. If that was
+/// rarely the case, the mean rate of the whole run is used instead.
 double tracing_demand(const Trvs& trvs) {
   const double occupied = 1 - trvs.share(OfTrv::kStarved),
                full = safe_ratio(trvs.sum_of(&TrvStats::full), trvs.elapsed());
@@ -394,7 +394,8 @@ namespace {
 constexpr double kRegistersInUse = 2.0 / 3;
 /// Largest share of time in which a DRAM data bus can transfer data.
 constexpr double kBusAtBest = 0.9;
-/// Share of a channel's other busy time, such as row commands, that cannot overlap with data of other requests.
+/// Share of the time in which a DRAM channel is busy without data, for example with row commands, that other requests
+/// cannot hide.
 constexpr double kBusyWeight = 1.0 / 3;
 /// Largest share of time in which the wires of a port can be in use, because requests come in bursts.
 constexpr double kPortAtBest = 0.7;
@@ -404,7 +405,8 @@ constexpr double kTestsAtBest = 0.85;
 constexpr double kSlotsGain = 0.6;
 constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // fitted parameters of remaining_free_slot_share()
 
-/// Times of a core's three stages if each worked alone: shader core, T&I unit, and DMA with spilled ray slots.
+/// Times that three stages of a core would need if each worked alone: shader core, T&I unit, and DMA including the
+/// transfers of spilled ray slots.
 using Stages = std::array<double, 3>;
 
 /// Returns a core's time if its stages overlap with the exponent `p` of estimate_speedups().
@@ -427,9 +429,9 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Of the time in which the T&I unit has free ray slots, returns the fraction that would remain with ideal shader
-/// cores. The ends of tiles always remain. The fraction grows with the time in which launches wait for ray slots of the
-/// tile buffer.
+/// Returns the fraction of the T&I unit's time with free ray slots that would remain with ideal shader cores. The time
+/// at the ends of tiles always remains. The more time launches wait for ray slots of the tile buffer, the larger the
+/// fraction.
 double remaining_free_slot_share(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));

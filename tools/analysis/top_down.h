@@ -19,7 +19,7 @@ struct MissLevels {
   double l2 = 0;            ///< share of queues and lookups in the L2
   double dram = 0;          ///< share of the time from an L2 miss to its fill: controller, device and fabric
   // Parts of `interconnect` and `l2` above:
-  /// Part of `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
+  /// Part of the time in `interconnect` that an ideal interconnect (one cycle each way, no full queues) would save.
   double wires = 0;
   double blocked_request = 0;  ///< part of `interconnect`: queues in front of an L2 that waits for memory
   double blocked_bank = 0;     ///< part of `l2`: queues inside the L2 that wait for memory

@@ -261,7 +261,7 @@ double Progress::traced_seconds() const {
   return state_.traced_seconds + (counts ? sim::seconds_since(part_since_) : 0);
 }
 
-/// Adds the time since the start of the job's current part, if any, to the tracing time, and marks that no part is
+/// Adds the time since the start of the job's current part, if any, to the job's tracing time. Afterwards no part is
 /// running.
 void Progress::stop_clock() {
   state_.traced_seconds = traced_seconds();

@@ -77,7 +77,8 @@ class Progress {
 
   /// Displays an activity that traces no rays, such as loading, and ends the job's current part.
   void set_phase(const std::string& what);
-  /// Sets the number of parts of the job. A later call starts a new count.
+  /// Sets the number of parts into which the job is divided for the progress display. A later call starts to count
+  /// parts at zero.
   void expect_parts(std::uint32_t parts, const std::string& label = {});
   /// Begins a part of the job: one frame of one frame program. `before`: tiles that earlier work finished, for a job of
   /// one part.

@@ -45,7 +45,8 @@ char* write_number(char* at, std::uint64_t value) {
   return at;
 }
 
-/// Writes one value of a unit over all intervals: its total, then its increase in each interval, unless the total is 0.
+/// Writes one value of a unit: its total over all intervals, then, unless the total is 0, its increase in each
+/// interval.
 char* write_column(char* at, const sim::Intervals& intervals, std::size_t column) {
   const std::size_t rows = intervals.size(), width = intervals.row_width();
   const std::uint64_t* value = intervals.row(0).data() + column;

@@ -113,7 +113,7 @@ struct IntervalSeries {
   std::string group;  ///< group, shown in one chart: "power", "bandwidth", "hit_rate", "utilisation", "stack.tni", ...
   std::string name;   ///< name within the group: "tni", "dram_read", "l1_miss"
   std::string unit;   ///< unit of the values: "W", "GB/s", "%"
-  /// One value per interval; NaN for a hit rate of an interval without accesses.
+  /// Values of a figure, one per interval; NaN for the hit rate of an interval without accesses.
   std::vector<double> values;
 };
 

@@ -55,7 +55,8 @@ struct TornadoBar {
   double at_low = 0, at_high = 0;
   double ratio_swing() const;
 };
-/// Returns a bar for each table entry that changes the energy ratio, the largest change first.
+/// Returns a bar of the tornado chart for each table entry that changes the energy ratio of two runs, the largest
+/// change first. `block`: block whose energies are compared; empty: all blocks.
 std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::string& block);
 
 /// Returns the names of the energy table entries that at least one run has, in order of first appearance.

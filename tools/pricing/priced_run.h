@@ -37,8 +37,8 @@ struct EnergyEntry {
 /// keys. `config` must outlive them.
 std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
-/// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the
-/// logarithm, or the figure itself if low is 0.
+/// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Values between them are
+/// interpolated in the logarithm, or linearly if low is 0.
 double value_at_quantile(const sim::Band& band, double quantile);
 
 /// A random draw of all table entries: an independent quantile for each name. Entries with the same name have the same

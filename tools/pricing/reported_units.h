@@ -16,7 +16,8 @@ class ReportedCounts {
  public:
   /// Throws InputError if the report has no counts.
   explicit ReportedCounts(const ReportFile& report);
-  /// Writes the counts into the units. Throws InputError if the report's counts do not match the units.
+  /// Writes the report's counts into `units`, which are units of a machine that has not run. Throws InputError if the
+  /// counts do not match the units.
   void fill(std::vector<sim::UnitReport>& units) const;
   bool has_rasteriser() const;
   /// Throws InputError, which states that another model made the report, with the reason `why`.

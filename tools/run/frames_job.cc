@@ -63,7 +63,7 @@ class PictureFiles {
         width_(of.played.inputs.config.render.width),
         height_(of.played.inputs.config.render.height) {}
 
-  /// Returns the jobs that write the files, the slowest first.
+  /// Returns the jobs that write the picture files, with the slowest job first.
   std::vector<std::function<void()>> picture_jobs() {
     const std::vector<float>& rgb = of_.played.frame.rendered.rgb;
     if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) add_exr("image.exr", rgb);

@@ -37,7 +37,8 @@ struct TileTraits {
   }
 };
 
-/// Predicted traits and costs of all tiles of a frame, from a picture with one of every `thinning` samples.
+/// Predicted traits and costs of all tiles of a frame. They come from a picture in which one of every `thinning`
+/// samples is rendered.
 struct Pilot {
   std::vector<TileTraits> traits;  ///< traits of each tile of the frame
   std::vector<double> costs;
@@ -61,8 +62,8 @@ RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kern
 
 inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
-/// Predicts the traits of tiles, in frame order, from thinned tiles with one of every `thinning` samples. Caches are
-/// modelled as tags that fill at once. Tiles are assigned to cores, and rays to traversal units, round robin.
+/// Predicts the traits of tiles, in frame order, from tiles in which one of every `thinning` samples is traced. Caches
+/// are modelled as tags that fill at once. Tiles are assigned to cores, and rays to traversal units, round robin.
 class TilePilot {
  public:
   /// `slots`: number of ray slots in a core's tile buffer that one tile can use.

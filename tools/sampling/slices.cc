@@ -161,8 +161,8 @@ class SliceSimulator {
   const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
 };
 
-/// Length of an automatically sized slice, as a multiple of its lead. Leads then cost less than a tenth of the time, in
-/// small frames up to 15 %.
+/// Length of an automatically sized slice, as a multiple of the length of its lead. Leads then cost less than a tenth
+/// of the time, in small frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
 
 /// Simulates all slices, `threads` at a time. Threads in excess of the number of slices render ahead.
@@ -206,7 +206,7 @@ struct SlicedProgram {
   const std::vector<Slice> plan;
 };
 
-/// Half-width of the error at a border between slices that probes cannot measure, as a number of tiles
+/// Half-width of the error at a border between slices that probe tiles cannot measure, as a number of tiles
 /// (docs/slices.md).
 constexpr double kBorderError = 4;
 

@@ -30,7 +30,8 @@ struct MachineSpan {
   void add(const MachineSpan& other);
 };
 
-/// Time and energy of probe tiles, which the machines of two neighbouring slices both simulate.
+/// Time and energy that one machine has measured for probe tiles. The machines of two neighbouring slices both simulate
+/// these tiles.
 struct Probe {
   double time = 0, energy_pj = 0;
 };
@@ -39,7 +40,8 @@ struct Probe {
 struct SliceResult {
   Slice slice;
   MachineSpan own;
-  /// Probe tiles at the end of the lead, and those at the end of the slice; 0 at the start and end of the frame.
+  /// Measurements of the probe tiles at the end of the slice's lead (`before`) and at the end of the slice (`after`). 0
+  /// at the start and end of the frame, where there is no neighbouring slice.
   Probe before, after;
   /// Host CPU time of the slice's thread: total, and without the execution of tiles.
   double seconds = 0, timing_seconds = 0;
@@ -60,7 +62,7 @@ sim::Json slice_json(const SlicePart& part);
 /// names of units. Throws InputError if the JSON does not match the machine.
 SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 
-/// Number of slices that requests an automatic choice from the frame and the machine.
+/// Special number of slices: the number is chosen automatically, from the frame and the machine.
 inline constexpr std::uint32_t kAutoSlices = 0;
 
 /// Parses the number of slices: "8", or "auto" for kAutoSlices; throws InputError for other texts.

@@ -40,7 +40,8 @@ struct MeasuredPart {
 
 /// Results of simulating some blocks of tiles on one machine.
 struct SampledRun {
-  /// Counters of the first and of the last block, which are the start and end of the frame.
+  /// Measured parts of the first and the last block. They are the start and end of the frame, which are not
+  /// extrapolated.
   MeasuredPart begin, end;
   std::vector<MeasuredPart> parts;
   std::vector<sim::UnitReport> units;  ///< reports of the units after the whole run
@@ -51,7 +52,7 @@ struct SampledRun {
   double warming_seconds = 0;
 };
 
-/// Returns the time and counters of a machine between two marked tile dispatches.
+/// Returns the increase of a machine's time and counters between the dispatches of two tiles.
 MeasuredPart difference_of(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::subtract_reports(part.units, a.units);

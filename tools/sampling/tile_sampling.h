@@ -17,7 +17,8 @@ namespace tools {
 /// Parameters of tile sampling (--tile-sampling, --image).
 struct TileSampling {
   double share = 0.05;  ///< share of the frame's work to measure
-  /// --tile-sampling auto: more blocks are simulated until both relative half-widths are below this; 0: off
+  /// Relative half-width of the intervals of time and energy, below which --tile-sampling auto simulates no more
+  /// blocks. 0: a fixed share of the frame is simulated.
   double target = 0;
   bool full_image = true;  ///< render all tiles, including those that are not simulated
 };

@@ -143,8 +143,8 @@ namespace {
 /// decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
-/// Frames and slices shorter than this number of leads get leads of twice the length, because errors at borders are a
-/// larger share of their time (docs/slices.md).
+/// Number of lead lengths below which a frame or slice is short. Short ones get leads of twice the length, because
+/// errors at borders are a larger share of their time (docs/slices.md).
 constexpr std::uint32_t kLeadsOfASmallFrame = 50, kLeadsOfAShortSlice = 5;
 
 }  // namespace

@@ -17,7 +17,7 @@ struct TimedBlock {
   std::uint32_t warming = 0;
 };
 
-/// Time and counters of a machine at the dispatch of a tile.
+/// Time and counters that a machine had when a certain tile was dispatched.
 struct Mark {
   std::uint32_t tile = 0;
   sim::Time time = 0;
@@ -25,8 +25,8 @@ struct Mark {
   std::vector<hw::KernelUse> kernels;
 };
 
-/// Passes blocks of a frame's tiles to a machine, one after the other, and samples its counters when marked tiles are
-/// dispatched.
+/// Passes blocks of a frame's tiles to a machine, one after the other, and records its counters when the tiles in
+/// `marked` are dispatched.
 ///
 ///   front end --> tiles of a block ------------------------------> tile dispatcher
 ///             \-> tiles before it --> warm the caches at once      | dispatched: marks
@@ -38,7 +38,8 @@ class TimedTiles final : public hw::TileSource {
     sim::Time begin = 0, end = 0;  ///< time of dispatch; time of completion, or of the first dispatch after it
   };
 
-  /// `blocks` and `marked` are in tile order, without overlap. The machine stops at the dispatch of tile `stop_at`.
+  /// `blocks` must be in tile order and must not overlap. `marked`: tiles at whose dispatch the machine's counters are
+  /// recorded, in order. The machine stops at the dispatch of tile `stop_at`.
   TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
              std::optional<std::uint32_t> stop_at = std::nullopt);
   /// Sets the machine that receives the tiles; call it before the machine runs.
@@ -50,11 +51,12 @@ class TimedTiles final : public hw::TileSource {
   /// Sets the end time of tiles that are still in flight. Call it once, after the machine has finished.
   void finish_tile_times();
 
-  /// Returns the time and counters recorded at the dispatch of a marked tile.
+  /// Returns the time and counters that were recorded at the dispatch of a tile in `marked`.
   const Mark& snapshot_at(std::uint32_t tile) const;
   const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
   std::uint64_t warmed_tiles() const { return warmed_; }
-  /// Returns the host seconds for warming caches, or the CPU seconds for executing tiles on the machine's thread.
+  /// warming_seconds() returns the host time for warming caches, executing_seconds() the CPU time for executing tiles
+  /// on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
   double executing_seconds() const { return executing_seconds_; }
 
@@ -126,7 +128,7 @@ struct Slice {
 
 struct SliceShape {
   std::uint32_t lead = 0;  ///< tiles of a short lead, which fills the machine; also the minimum length of a slice
-  /// Last tiles of the lead, which are also the last tiles that the previous slice's machine simulates.
+  /// Last tiles of a slice's lead. The machine of the previous slice simulates them, too, as its last tiles.
   std::uint32_t probe = 0;
   std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, including the slice's lead
 };

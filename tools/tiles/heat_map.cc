@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-/// Rectangle of the picture that a tile renders, and the sum of a figure over all passes.
+/// Rectangle of the picture that a tile renders, and the sum of the shown figure over all passes of the frame.
 struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;

@@ -151,7 +151,8 @@ const std::vector<Rule>& special_rules() {
   return all;
 }
 
-/// Returns the kind of work for the energy of those counters of a unit that special_rules() does not list; none: time.
+/// Returns the kind of work by which the energy of a unit's counters is shared, except for the counters in
+/// special_rules(). Returns nothing if the energy is shared by time.
 std::optional<Kind> default_kind_of_work(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::RayDispatcher)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;
@@ -378,7 +379,7 @@ class Builder {
   }
 
  private:
-  /// Adds a column of `value(i)` for each tile.
+  /// Adds a column to the table; `value(i)` returns the figure of tile i.
   TileColumn& add(std::string name, std::string unit, auto&& value) {
     TileColumn& column = frame_.columns.emplace_back(TileColumn{std::move(name), std::move(unit)});
     column.values.reserve(s_.tile_accounts.size());

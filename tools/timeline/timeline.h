@@ -125,7 +125,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
 /// The option `--timeline` of a job: records the job's first frame.
 class TimelineJob {
  public:
-  /// `text`: the option's text; empty: no timeline. Throws InputError for an invalid text.
+  /// `text`: argument of the option --timeline; empty: no timeline. Throws InputError for an invalid text.
   explicit TimelineJob(std::string text);
 
   const std::optional<TimelineSelection>& tile_selection() const { return selection_; }

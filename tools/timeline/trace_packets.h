@@ -14,10 +14,10 @@
 
 #include "tools/timeline/timeline.h"
 
-/// Packets of a Perfetto trace: their encoding, tracks and texts.
+/// Encodes the packets of a Perfetto trace, with its tracks and interned strings.
 namespace tools::perfetto {
 
-/// Table of texts to which the events of a trace refer by number.
+/// Table of interned strings. Events of a trace refer to a string by its number.
 class InternedTexts {
  public:
   std::uint64_t number_of(std::string_view text) {
@@ -152,7 +152,8 @@ class TracePackets {
   }
 
   const std::string& bytes() const { return bytes_; }
-  /// Returns the first packet of a file, with the texts that the packets of `other` refer to.
+  /// Returns the packet with which a trace file must begin. It defines the interned strings to which the packets of
+  /// `other` refer.
   static std::string texts_of(const TracePackets& other) {
     std::string bytes;
     Writer trace(bytes);

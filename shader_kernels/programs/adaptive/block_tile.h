@@ -94,9 +94,9 @@ class BlockTile {
 
   /// Traces the reference sample of every block.
   void trace_references();
-  /// Returns those samples in the rows with references that are between two reference samples.
+  /// Returns the samples between references in the rows that contain references. They are checked along x.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
-  /// Returns the samples of the rows without references. Each of these samples is between two reference rows.
+  /// Returns the samples of the rows without references. They are checked along y, against samples above and below.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a similarity check.
   void trace_failed_samples(const BlockLines& lines, const Verdict& verdict);
@@ -121,8 +121,8 @@ class BlockTile {
   void spill_references_to_dram() {
     add_spill_transfers(block_rows() * block_columns(), block_rows() * block_columns());
   }
-  /// Writes, for the rows with references, the records of the other samples to DRAM and reads all records of these rows
-  /// back, if AdaptiveConfig::attributes is dram.
+  /// Adds two transfers if AdaptiveConfig::attributes is dram. The first writes to DRAM the records of the samples
+  /// between references; the second reads back all records of the rows with references.
   void spill_reference_rows_to_dram() {
     add_spill_transfers(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }

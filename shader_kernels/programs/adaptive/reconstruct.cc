@@ -363,8 +363,8 @@ namespace {
 
 constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture that reconstruct approximates
 
-/// Debug marks of one layer of light: the bits which show that the filter rejected a sample by depth, normal or
-/// shadows.
+/// Bits of a debug mark for one layer of light (surface, mirrored or refracted). They show that the filter rejected a
+/// sample by depth, normal or shadows.
 struct EdgeBits {
   std::uint32_t depth, normal, shadow;
 };

@@ -59,7 +59,7 @@ class ReconstructProgram final : public FrameProgram {
     TileBuffer& buffer;
   };
   static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< samples per pixel that are not shaded
-  /// A rectangle of pixels of the tile buffer.
+  /// A rectangle of the tile buffer, in pixels.
   struct PixelRect {
     std::uint32_t x, y, across, down;
     std::uint32_t pixel_count() const { return across * down; }
@@ -69,10 +69,11 @@ class ReconstructProgram final : public FrameProgram {
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// Returns the number of records of one layer: the distance from a sample's record to its record in the next layer.
+  /// Returns the number of records in one layer of light. It is the distance from a sample's record to the record of
+  /// the same sample in the next layer.
   std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
-  /// Return bytes per pixel in all layers of light: records and colours of the shaded sample; records of the samples
-  /// that are not shaded; records of all samples.
+  /// Return the bytes per pixel, summed over all layers of light. shaded_sample_bytes(): records and colours of the
+  /// shaded sample. unshaded_sample_bytes(): records of the other samples. attribute_bytes(): records of all samples.
   std::uint32_t shaded_sample_bytes() const;
   std::uint32_t unshaded_sample_bytes() const;
   std::uint32_t attribute_bytes() const;

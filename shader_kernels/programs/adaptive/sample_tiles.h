@@ -57,7 +57,8 @@ struct HaloPart {
   std::uint64_t first = 0;     ///< index of the rectangle's first sample among those that the other tile stores
   std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of the rectangle's first sample
   std::uint32_t across = 0, down = 0;
-  /// Returns the part of the rectangle nearest to the tile: the last `columns` columns of the last `rows` rows.
+  /// Returns the part of the halo's rectangle that is nearest to the tile: its last `columns` columns and last `rows`
+  /// rows.
   HaloPart part_nearest_tile(std::uint32_t columns, std::uint32_t rows) const;
 };
 
@@ -85,7 +86,8 @@ class FinishedTiles {
   std::uint32_t tile_count() const { return tiles_.tile_count(); }
   std::uint32_t tile_side() const { return tiles_.tile_side(); }
   std::uint32_t halo_width() const { return 2 * reach_; }
-  /// Returns the number of samples in a row of the tile buffer: the halo, then the tile's own.
+  /// Returns the number of samples in a row of the tile buffer: those of the halo at its left, followed by the tile's
+  /// own.
   std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
   std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
   /// Returns the largest number of pixels whose final colours one tile computes.

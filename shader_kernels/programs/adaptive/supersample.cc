@@ -324,7 +324,8 @@ SupersampleProgram::Node SupersampleProgram::pack_subpixels_by_atomics(Tile& til
   return node;
 }
 
-/// Divides all sub-pixels into chunks without a list. Each item of a chunk tests whether its sub-pixel is active.
+/// Divides all sub-pixels of a tile into chunks, without a list of active ones. Each item of a chunk tests whether its
+/// sub-pixel is active.
 void SupersampleProgram::chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;
@@ -349,7 +350,7 @@ void SupersampleProgram::chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chu
   }
 }
 
-/// Traces the samples of a chunk's sub-pixels. The samples' colours are stored from index `first_sample`.
+/// Traces the samples of one chunk of active sub-pixels. The samples' colours are stored from index `first_sample` on.
 void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
@@ -378,7 +379,8 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 
-/// Writes the samples of a chunk of sub-pixels to memory, where they stay until all chunks are traced.
+/// Writes the samples of one chunk of active sub-pixels to memory. They stay there until all chunks of the tile are
+/// traced.
 void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;

@@ -26,11 +26,13 @@ class PropagationState {
 
   /// Stores the sub-pixels of a tile before the first round of propagation.
   void store_initial_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& all);
-  /// Collects sub-pixels that this round of propagation made active in a tile. apply_round_results() applies them.
+  /// Collects the sub-pixels of a tile that became active in the current round of propagation. apply_round_results()
+  /// makes them visible to later rounds.
   void add_activated_subpixels(std::uint32_t tile, const std::vector<PropagationSubpixel>& found);
   void apply_round_results();
 
-  /// True if the last applied round of propagation made sub-pixels of the tile active.
+  /// True if sub-pixels of the tile became active in the last round of propagation that apply_round_results() has
+  /// applied.
   bool is_newly_active(std::uint32_t tile) const { return fresh_[tile] != 0; }
   /// Copies the states of a rectangle of sub-pixels at (x, y), and of one more sub-pixel on each side. Sub-pixels
   /// outside the picture are inactive.

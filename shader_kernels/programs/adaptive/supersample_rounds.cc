@@ -91,8 +91,8 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Returns how many bytes of the tile buffer wait for the DMA while rays are traced: colours and states of one chunk.
-/// Other data of sub-pixels reuse the slots of finished rays.
+/// Returns how many bytes of the tile buffer wait for the DMA while rays are traced: the colours and states of one
+/// chunk of active sub-pixels. Other data of sub-pixels reuse the slots of finished rays.
 std::uint32_t SupersampleProgram::dma_waiting_bytes() { return kChunk * kShownBytes; }
 
 /// Writes colours and states of all sub-pixels as if none were active. apply_round_results() later overwrites the
@@ -114,8 +114,9 @@ void SupersampleProgram::store_inactive_subpixels(Tile& tile) const {
   tile.graph.register_colour_writer(tile.shown);
 }
 
-/// Stores colours and states of a chunk's sub-pixels, whose samples begin at `first_sample`. Before the first round
-/// they are also written to memory.
+/// Stores colours and states of a chunk of active sub-pixels in the tile buffer. The samples of these sub-pixels begin
+/// at index `first_sample`. Before the first propagation round (`round` 0) it also writes the colours and states to
+/// memory.
 void SupersampleProgram::store_active_subpixels(Tile& tile, const Chunk& chunk, std::uint32_t first_sample,
                                                 std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
@@ -230,7 +231,7 @@ SupersampleProgram::Node SupersampleProgram::read_subpixel_states(Tile& tile, No
   return before;
 }
 
-/// Runs one round of propagation in a tile with newly active sub-pixels in it or nearby.
+/// Runs a propagation round in one tile. Called if sub-pixels of the tile or of its neighbours are newly active.
 void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node before) const {
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;
@@ -292,7 +293,7 @@ void SupersampleProgram::write_corrected_pixels(Tile& tile, std::uint32_t pixels
   put(fresh_flag_address(tile.at.index, round), 1);
 }
 
-/// Loads from memory the colours of those sub-pixels of a pixel that this round has not sampled.
+/// Loads from memory the colours of those sub-pixels of a pixel that the current propagation round has not sampled.
 void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;

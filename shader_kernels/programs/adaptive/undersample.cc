@@ -253,7 +253,8 @@ std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
   return (tile_index / count + 1) * count;
 }
 
-/// Returns the bytes that a scan reads per sample: its identity and, if pixels have several samples, its colour.
+/// Returns the bytes that a scan of post-correction reads per sample: the identity word and, if pixels have several
+/// samples, the colour.
 std::uint32_t UndersampleProgram::scan_bytes_per_sample() const {
   return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
@@ -316,7 +317,7 @@ void UndersampleProgram::list_suspect_samples(std::span<const PostCorrection::Su
   std::ranges::transform(suspects, out.buffer.checks.samples.entries.begin(), sample);
 }
 
-/// Traces the listed samples, which post-correction found suspect.
+/// Traces the listed samples, which a scan of post-correction has found suspect.
 void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid,
                                         std::uint32_t items, Wavefront::Node lister) const {
   out.buffer.reserve_wave(items);
@@ -419,8 +420,8 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
   write_corrected_pixels(graph, at, corrected, pixels, found);
 }
 
-/// Averages and encodes the corrected pixels, and writes them and their identity words. A scattered pixel costs a
-/// memory line, and all of them together cost at most the whole tile.
+/// Averages and encodes the pixels that a scan of post-correction has changed, and writes them and the identity words
+/// of their samples. A scattered pixel costs a memory line, and all of them together cost at most the whole tile.
 void UndersampleProgram::write_corrected_pixels(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                                 std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_address(at.index);

@@ -25,13 +25,13 @@ class PostCorrection {
   struct Scan {
     bool is_along_y = false, is_backward = false;
   };
-  /// An interpolated sample that a scan of post-correction is to trace.
+  /// An interpolated sample that a scan of post-correction has found suspect and is to trace.
   struct Suspect {
     std::uint32_t tile = 0;
     std::uint32_t round = 0;  ///< 1 plus the length of the chain of suspects that made this sample suspect
     std::uint32_t x = 0, y = 0;
   };
-  /// Results of tracing a list of suspects (Suspect), in the order of the list.
+  /// Results of tracing suspect samples (Suspect), in the order of the suspects.
   struct Found {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< colours of the traced samples, clamped to [0, 1]
@@ -46,10 +46,10 @@ class PostCorrection {
     return {2 * number >= scan_count(), scan_count() == 4 && number % 2 == 1};
   }
 
-  /// Stores the identities and colours of a tile's samples.
+  /// Stores identity words and colours of a tile's samples, which the scans compare.
   void store_samples(const TileResult& tile, const SampleTile& at);
-  /// Runs a scan over the picture. `trace(suspects)` traces samples and returns their results. Returns all suspects of
-  /// the scan, ordered by tile, then by round.
+  /// Runs a scan of post-correction over the picture. `trace(suspects)` traces suspect samples and returns their
+  /// results. Returns all suspect samples of the scan, ordered by tile, then by round.
   template <class Trace>
   const std::vector<Suspect>& run_scan(const Scan& scan, Trace&& trace) {
     begin_scan();
@@ -60,7 +60,7 @@ class PostCorrection {
     end_scan();
     return all_;
   }
-  /// Returns the samples of a tile that the last scan of post-correction traced.
+  /// Returns the samples of a tile that the last scan of post-correction found suspect and traced.
   std::span<const Suspect> suspects_of(std::uint32_t tile) const;
 
   glm::vec3 sample_colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }

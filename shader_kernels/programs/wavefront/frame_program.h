@@ -31,7 +31,8 @@ class FrameProgram {
   std::uint32_t height() const { return height_; }
   /// Returns the number of entries (mostly tiles) in all passes of the frame.
   virtual std::uint32_t tiles() const = 0;
-  /// Returns the number of tiles across and down, or 0 if the entries are not tiles of a grid.
+  /// Returns the number of tiles of the picture, across and down. Returns 0 if the program's entries are not tiles of
+  /// one grid.
   virtual TileCounts tile_counts() const { return {}; }
   /// Returns the index after the last entry of the rendering pass that contains entry `tile_index`.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
@@ -53,8 +54,8 @@ class FrameProgram {
   virtual const Sampling& sampling() const { return sampling_; }
   /// Makes commit_tile() store the debug marks of samples.
   virtual void enable_marks() { keeps_marks_ = true; }
-  /// Returns the debug marks of all samples, row by row, with the program's number of marks per pixel. Empty if the
-  /// program makes none or they are not stored.
+  /// Returns the debug marks of all samples of the frame, row by row. Empty if the program makes no marks or does not
+  /// store them.
   virtual const std::vector<SampleMark>& sample_marks() const { return marks_; }
 
  protected:

@@ -114,7 +114,8 @@ enum StageEffect : std::uint32_t {
   kOwnItemsOnly = 256       ///< the stage runs only over its queue, even if divergent kernels run over all items
 };
 
-/// A shading stage, as a row of a table of stages. A stage with an empty queue is skipped.
+/// A shading stage: the queue that it processes, its launch, and its dependences. A stage with an empty queue is
+/// skipped.
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;

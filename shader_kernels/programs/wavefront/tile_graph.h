@@ -24,7 +24,7 @@ class StreamBuilder {
   void set_muted(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
 
-  /// Adds the launch of a kernel. `idle` is the number of inactive loop iterations after its items.
+  /// Adds the launch of a kernel over `items` items, followed by `idle` loop iterations that do no work.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
   /// Begins the list of memory accesses of the next item of the last added launch. Call only if the launch has
   /// accesses.
@@ -35,10 +35,10 @@ class StreamBuilder {
   /// since the launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. The node's data are the last entry of
-  /// TileWork::raster.
+  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. The last entry of TileWork::raster
+  /// describes the rasterisation.
   Node add_rasterisation(std::uint32_t count, Node launch);
-  /// Adds a node that bins triangles to screen regions. The node's data are the last entry of TileWork::raster.
+  /// Adds a node that bins triangles to screen regions. The last entry of TileWork::raster describes the binning.
   Node add_binning(std::uint32_t triangles);
   /// Adds a transfer of samples to memory, which completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
@@ -68,8 +68,9 @@ class TileGraph {
   TileGraph(const SceneTables& scene, bool record, TileResult& out);
 
   /// Runs kernel K over `items` items and records the launch. Unbound ports are bound by name, and the lengths of the
-  /// queues that K fills are set. `lanes` is the number of items from which K's queue was selected; divergent kernels
-  /// (RenderConfig::streams) run over all of them. `padding` is the number of empty entries in K's queue.
+  /// queues that K fills are set. `lanes`: number of items from which the entries of K's queue were selected. Without
+  /// compaction (RenderConfig::streams) the launch runs over all these items. `padding`: number of empty entries in K's
+  /// queue.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
               std::uint32_t padding = 0);
@@ -87,12 +88,13 @@ class TileGraph {
 
   void wait_for_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_item_by_item(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
-  /// Make `node` wait for all earlier nodes that add to samples' colours, or for all that write samples' records.
+  /// wait_for_colour_writers() makes `node` wait for all earlier nodes that add to samples' colours,
+  /// wait_for_record_writers() for all that write samples' records.
   void wait_for_colour_writers(Node node);
   void wait_for_record_writers(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }
   void register_record_writer(Node node) { scratch_.record_writers.push_back(node); }
-  /// Makes `node` the only one to wait for before colours are read. The node must wait for all earlier colour writers.
+  /// Makes later readers of colours wait for `node` only. `node` must itself wait for all earlier colour writers.
   void replace_colour_writers(Node node) { scratch_.colour_writers.assign(1, node); }
 
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {

@@ -17,13 +17,13 @@ namespace kernels {
 
 using traces::kPixelBytes;
 
-/// A sample of an undersampled picture as post-correction stores it.
+/// A sample as post-correction stores it: identity word and colour.
 struct CorrectionSample {
   std::uint32_t identity = 0;
   glm::vec3 colour{};
 };
 
-/// A sub-pixel as supersample stores it for later rounds of propagation.
+/// Colour and state of a sub-pixel, as the program supersample stores them for later rounds of propagation.
 struct PropagationSubpixel {
   std::uint32_t x = 0, y = 0;  ///< position in the picture's grid of sub-pixels
   SubpixelRecord<float> state{};
@@ -57,7 +57,7 @@ struct TileResult {
   glm::vec3 averaged_colour(std::uint32_t sample) const;
 };
 
-/// How many items a kernel has run over, including idle ones.
+/// Number of loop iterations that a kernel has run, including iterations without work.
 struct KernelItems {
   traces::KernelId kernel = 0;
   std::uint32_t items = 0;

@@ -539,7 +539,8 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   return next;
 }
 
-/// Gives samples of their own to the last `rays` rays of the next wave, which launch `maker` emitted.
+/// Gives each of the last `rays` rays of the next wave a sample of its own, which collects mirrored or refracted light.
+/// Launch `maker` emitted these rays.
 void Wavefront::assign_branch_samples(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
   BeginBranch::Ports<float> ports;
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);

@@ -38,7 +38,8 @@ class Wavefront {
   void set_cone(const ConeUniforms<float>& cone) { wave_.cone = cone; }
 
   /// Generates the primary rays of the samples in `list`, which launch `lister` filled. Clears the records that
-  /// `retained` selects, and stores the clearing nodes there. The camera and grid of `ports` must be set.
+  /// `retained` selects, and stores the nodes of the clearing launches in `retained`. The camera and grid of `ports`
+  /// must be set.
   Node generate_listed_rays(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
                             std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes = 0);
   /// Traces and shades primary rays and all later bounces. Launch `maker` wrote the primary rays to the first wave, one

@@ -62,8 +62,8 @@ struct FrameRate {
   bool is_met() const;
 };
 
-/// Evaluates finished frames at the target rate frame.fps, which is above 0. Operating points assume that a frame takes
-/// the same number of cycles at lower clocks. It takes fewer, because the memory keeps its clock.
+/// Evaluates finished frames at the target rate frame.fps, which must be above 0. Operating points assume that a frame
+/// takes equally many cycles at lower clocks. In fact it takes fewer, because the memory keeps its clock.
 FrameRate evaluate_frame_rate(const RunConfig& config, const FinishedFrames& frames);
 
 }  // namespace tools

@@ -149,9 +149,8 @@ struct ProgressBase {
 /// throws Interrupted. With `keep_part` it returns no more tiles instead, and the machine finishes the dispatched ones.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: number of tiles that the front end executes. `former`: tiles, rays and cycles of earlier rounds, which
-  /// are added to the reported progress. `former` is needed if a frame's tiles are passed in several rounds, with one
-  /// RunTiles each.
+  /// `tiles`: number of tiles that the front end executes. `former`: progress of earlier RunTiles of the same frame,
+  /// which is added to the displayed progress; null if one RunTiles passes all tiles of the frame.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            ProgressBase* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}

@@ -85,8 +85,9 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
 /// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);
 
-/// Loads a configuration file, then the workload if `scene` names one. A `process` in `sets` replaces the file's. Does
-/// not check the result. This function is the first step of load_run_config(); ConfigVariants performs the others.
+/// Loads a configuration file, then the workload file if `scene` is the name of a workload. A setting of the key
+/// `process` in `sets` replaces the process that the files choose; other settings are ignored. Does not check the
+/// configuration. This function is the first step of load_run_config(); ConfigVariants performs the remaining steps.
 RunConfig load_base_config(const std::string& config, const std::string& scene,
                            const std::vector<std::string>& sets = {});
 

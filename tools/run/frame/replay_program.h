@@ -53,7 +53,8 @@ const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 /// The recorded work of a frame in memory, encoded as in a trace file: some hundred bytes per sample.
 class InMemoryTrace {
  public:
-  /// add() throws InputError if the trace exceeds `most_bytes`; `requested_by`: option or verb that the error names.
+  /// `most_bytes`: size of the trace above which add() throws InputError. `requested_by`: option or verb that the error
+  /// names.
   InMemoryTrace(traces::TileScope scope, std::uint64_t most_bytes, std::string requested_by)
       : scope_(std::move(scope)), most_bytes_(most_bytes), requested_by_(std::move(requested_by)) {}
 

@@ -59,7 +59,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
 /// Prints warnings to stderr, above a progress bar. No effect if `progress` is null.
 void print_warnings(const std::vector<std::string>& lines, Progress* progress);
-/// Returns a text of all keys and values that load_inputs() depends on. Equal texts mean equal inputs.
+/// Returns a text of all keys and values on which the result of load_inputs() depends. Equal texts mean equal inputs.
 std::string inputs_text(const RunConfig& config);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Throws Interrupted if an interrupt is pending.
@@ -155,7 +155,7 @@ struct SimulateOptions {
   bool itemised = false;                      ///< keep the costs of each tile and pixel
   hw::Observer* observer = nullptr;           ///< observer of the machine; null: none
   std::shared_ptr<const hw::CacheContents> caches{};  ///< cache contents after the previous frame, for frame.start warm
-  /// Program whose last tiles warm the caches if `caches` is null; null: the simulated program itself.
+  /// Used only if `caches` is null: program whose last tiles warm the caches. Null for the simulated program itself.
   kernels::FrameProgram* previous = nullptr;
 };
 

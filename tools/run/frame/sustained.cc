@@ -107,7 +107,7 @@ class Device {
   const std::vector<SustainStep>& steps_;
   const SustainSetup& setup_;
   const sim::ThermalNetwork network_;
-  /// Decay of temperatures during each frame, by clock step and frame.
+  /// Factors by which temperatures decay during a frame, by clock step and frame of the sequence.
   std::vector<std::vector<sim::ThermalNetwork::Decay>> decays_;
   ThermalGovernor governor_;
   sim::Temperatures now_;

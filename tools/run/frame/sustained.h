@@ -23,7 +23,7 @@ struct SustainFrame {
 /// Returns the time and energies of a simulated frame, in the form that sustain() needs.
 SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed);
 
-/// A clock that the governor may choose, and the frames at this clock.
+/// A clock that the governor may choose, and the results of the frames at this clock.
 struct SustainStep {
   double factor = 1;                 ///< clock divided by the configured clock
   std::vector<SustainFrame> frames;  ///< the frames of the sequence, which repeats, at this clock

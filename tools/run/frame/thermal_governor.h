@@ -15,7 +15,7 @@ namespace tools {
 /// 3. Else: the same clock.
 class ThermalGovernor {
  public:
-  /// `steps`: number of clocks; step 0 is the fastest.
+  /// `steps`: number of the governor's clocks. Step 0 is the fastest clock.
   ThermalGovernor(const sim::ThermalConfig& config, std::size_t steps)
       : config_(config), steps_(steps), before_{config.ambient, config.ambient} {}
 

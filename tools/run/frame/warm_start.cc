@@ -33,7 +33,8 @@ bool has_one_pass(const kernels::FrameProgram& frame) { return frame.pass_end(0)
 
 /// Number of tiles in the first attempt to fill the caches, and factor by which each further attempt has more tiles.
 constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
-/// Fills of the L2 per line of all shared caches after which the lines of earlier tiles are assumed to be evicted.
+/// Number of L2 fills, divided by the number of lines in all shared caches, after which the lines of earlier tiles are
+/// assumed to be evicted.
 constexpr std::uint64_t kFillsPerLine = 2;
 
 /// Warms the machine's caches with the tiles of a front end, starting with entry `first` of the tile list. Tiles are

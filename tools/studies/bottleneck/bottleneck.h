@@ -11,7 +11,8 @@ namespace tools {
 
 class Progress;
 
-/// Cycles of a frame on a machine with one ideal resource: an upper bound of what improving this resource can gain.
+/// Time of a frame on a machine in which one resource is ideal. The difference to the time of the real machine is the
+/// most that a better resource can gain.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
@@ -43,8 +44,8 @@ struct Bottleneck {
   }
 };
 
-/// Speed-up by an ideal resource, with its noise. Computed from the means of replicates, or from single runs and the
-/// assumed noise.
+/// Speed-up that an ideal resource gives, with its noise. Computed from the means of replicates, or, for single runs,
+/// from the assumed noise.
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half-width of the speed-up's 95 % interval

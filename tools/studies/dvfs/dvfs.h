@@ -46,12 +46,13 @@ struct DvfsCurve {
   std::optional<std::size_t> slowest_met;  ///< slowest point that meets the target frame rate, if there is a target
 };
 
-/// Computes the energy per period of all points and sets the indices energy_optimal, race_to_idle and least_a_period.
+/// Computes the energy per frame period of all points. Sets the indices of the special points: energy_optimal,
+/// race_to_idle and least_a_period.
 void choose_points(DvfsCurve& curve, double period_ms);
 
-/// Returns clock factors to simulate next, halfway between neighbouring points. They refine the slowest point that
-/// meets the period and the point with the least energy per period. Empty if both are known to 0.5 %. At least one
-/// point must meet the period.
+/// Returns the next clock factors to simulate, halfway between points of the curve. They refine two points: the slowest
+/// point whose frame time meets the target period, and the point with the least energy per period. Empty if both clocks
+/// are known to 0.5 %. At least one point must meet the period.
 std::vector<double> factors_to_try(const DvfsCurve& curve);
 
 /// Records the first frame once and simulates it with its clocks multiplied by each factor. A target frame rate adds

@@ -124,7 +124,7 @@ std::vector<std::string> axes_of(const std::vector<RepricedRun>& runs) {
   return axes;
 }
 
-/// Returns the run's value on each axis of `axes`; empty for axes that it does not have.
+/// Returns the run's value on each axis of `axes`; empty for an axis that the run does not have.
 std::vector<std::string> axis_cells(const RepricedRun& run, const std::vector<std::string>& axes) {
   std::vector<std::string> cells;
   for (const std::string& axis : axes) {

@@ -36,7 +36,7 @@ constexpr std::string_view kEvents = "energy.events.";
 /// Origin (file and line, or option) of each configuration value, by its full key.
 using Origins = std::map<std::string, std::string>;
 
-/// Returns the YAML comment on line number `line` of `text`, without "source:".
+/// Returns the comment at line `line` of a YAML text, without the word "source:" at its start.
 std::string comment_of(const std::string& text, int line) {
   std::size_t begin = 0;
   for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;

@@ -21,12 +21,12 @@ namespace {
 
 constexpr double kTolerance = 0.02;
 
-/// The text of a relation, and its test of a measured against an expected value.
+/// Name of a relation between a measured and an expected value, and the test of this relation.
 struct RelationRule {
   const char* words;
   bool (*holds)(double measured, double expected);
 };
-/// Rules of the relations, indexed by Measurement::Relation.
+/// Texts and tests of the relations, indexed by Measurement::Relation.
 constexpr std::array<RelationRule, 5> kRules = {{
     {"exactly", [](double m, double e) { return std::abs(m - e) <= 1e-9 * std::abs(e); }},
     {"within 2 %", [](double m, double e) { return std::abs(m - e) <= kTolerance * e; }},

@@ -53,7 +53,7 @@ struct UpperBound {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest of several upper bounds. The bound counts as not reached if another such bound is less than 1.5
+/// Returns the smallest of several upper bounds. Marks it as not reached if a bound that is not reached is at most 1.5
 /// times as large.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 

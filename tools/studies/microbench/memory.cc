@@ -115,8 +115,9 @@ class MemoryForms {
   UpperBound l2_mshrs(Level level) const {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Returns the bound due to `count` MSHRs of a first-level cache. Each MSHR handles one miss after the other. MSHRs
-  /// start in consecutive cycles, so their clock phases differ. If the L2 has another clock, the bound is not reached.
+  /// Returns the upper bound of the line rate that is due to `count` MSHRs of a first-level cache. Each MSHR handles
+  /// one miss after the other. MSHRs start in consecutive cycles, so their clock phases differ. If the L2 has another
+  /// clock, the bound is not reached.
   UpperBound l1_mshr_rate(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
@@ -128,8 +129,9 @@ class MemoryForms {
     }
     return {rate * count / starts, "L1 miss registers", tni_ == l2_};
   }
-  /// Returns the bound due to the wire from a client to its port. Requests cross into the port's clock, one per cycle.
-  /// A slot of the wire is free again when the client sees that the port has taken its request.
+  /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. Requests cross
+  /// into the port's clock, one per cycle. A slot of the wire is free again when the client sees that the port has
+  /// taken its request.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
@@ -154,7 +156,8 @@ class MemoryForms {
     const sim::Time there = at + cycles * from.period();
     return from == to ? there : to.edge_at_or_after(there + c_.clocks.synchroniser * to.period());
   }
-  /// Returns the time at which the L2 bank has the line of a miss that it looks up at `at_bank`.
+  /// Returns the time at which the L2 bank receives the line of a miss from memory. `at_bank`: time of the lookup in
+  /// the L2 bank.
   sim::Time fill_time(sim::Time at_bank, Level level) const {
     const sim::Time arrived = cross_clocks(at_bank + c_.l2.lookup_cycles * l2_.period(), l2_, 1, dram_);
     const double device = level == Level::kRowOpen      ? dram_forms_.row_hit_latency()
@@ -290,9 +293,9 @@ class Chase {
   }
 
  private:
-  /// Reads `lines` one after the other and adds the latency of the last read to `measurement`, from the probe of the L1
-  /// to the data. `neighbour_first`: another client reads the last line first. `level`: memory level that serves the
-  /// last read; empty: the L1.
+  /// Measures one read of the machine: reads `lines` one after the other and adds the latency of the last read to
+  /// `measurement`. Latency is the time from the probe of the L1 to the data. `neighbour_first`: another client of the
+  /// core has read the last line before. `level`: memory level that serves the last read; empty: the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);

@@ -156,7 +156,8 @@ class TniHarness {
                                         {{}, {0, triangle_bytes}}, memory);
   }
 
-  /// Returns the measured throughput of the busy unit, in rays per cycle.
+  /// Simulates the T&I unit under test and returns its throughput in rays per cycle, without the start and end of the
+  /// run.
   double rays_per_cycle() {
     sim::run(*this);
     return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /
@@ -362,7 +363,8 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
   return exits;
 }
 
-/// Measures early exits in a scene: adds to `found` their number and the cycles and energy that they save.
+/// Measures early exits of triangle tests in a scene. Adds to `found` their number and the cycles and energy that they
+/// save.
 void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);

@@ -314,7 +314,8 @@ void shuffle_points(std::vector<Choice>& points, std::uint64_t seed) {
   });
 }
 
-/// Returns a penalty of 0 to 1; 0 if the point is feasible at `optimism` standard deviations.
+/// Returns a penalty of 0 to 1 for a point that may break limits. `log_feasible`: logarithm of the probability that it
+/// meets all limits. 0 if this probability is at least that of a normal value `optimism` deviations above its mean.
 double infeasibility_penalty(double log_feasible, double optimism) {
   const double short_of = std::max(log_normal_cdf(-optimism) - log_feasible, 0.0);
   return std::isfinite(short_of) ? short_of / (1 + short_of) : 1;

@@ -384,7 +384,7 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
   return case_of(view, setting.name, pixels, pixels, setting.run, reference, quick);
 }
 
-/// Adds settings to a program with which T&I units never wait for rays, so that they are measured alone.
+/// Adds the settings with which T&I units never wait for rays to a program, so that T&I units are measured alone.
 ProgramSetup on_tni_alone(ProgramSetup program) {
   program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;
@@ -529,7 +529,7 @@ std::vector<View> sgrt_views(bool quick) {
   return all;
 }
 
-/// Collects the experiments of one scene view; each has a run and a reference run.
+/// Collects the experiments for one view of a scene. Each experiment has a run and a reference run.
 class Plan {
  public:
   Plan(std::vector<Case>& cases, const View& view, bool quick) : cases_(cases), view_(view), quick_(quick) {}

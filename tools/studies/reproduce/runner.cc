@@ -336,8 +336,8 @@ double srp_operations(const ProgramResult& o) {
 Value ops_of_traced(const Comparison& c) {
   return ratio_of(srp_operations(c.reference), static_cast<double>(c.run.sampling_counts().wanted));
 }
-/// Returns the mean number of operations of a sample that is interpolated. Traced samples are assumed to take as many
-/// operations as in the reference.
+/// Returns the mean number of SRP operations for an interpolated sample. Assumes that a traced sample takes as many
+/// operations as in the reference run.
 Value ops_of_interpolated(const Comparison& c) {
   const auto traced = static_cast<double>(c.run.sampling_counts().traced);
   return ratio_of(srp_operations(c.run) - traced * ops_of_traced(c).value_or(0),

@@ -305,7 +305,7 @@ bool may_be_long(const Point& point) {
   return 6 * bytes + 10 * (point.axes.size() + point.sets.size()) + kOthers > kLongestLine;
 }
 
-/// Makes the point of a combination, without its keys.
+/// Makes the point of a combination of axis values. Its members `id` and `stream` stay empty.
 Point unkeyed_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
   Point point;
   point.config = resolve_file_name(spec.config, folder);
