@@ -100,7 +100,7 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
 
 /// Calls set(value, i, kind) for the ith value of the units' reports, in the order of write_values(). set() may replace
 /// the value. Then sets `elapsed` of each unit to the sum of its cycles by reason.
-void each_value(std::span<UnitReport> units, auto&& set) {
+void set_each_value(std::span<UnitReport> units, auto&& set) {
   std::size_t number = 0;
   for (UnitReport& unit : units) {
     unit.elapsed = 0;

@@ -43,7 +43,7 @@ constexpr std::uint32_t near_of(std::uint32_t word) { return (word >> 29) & 1U; 
 constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) {
   return (1U << 30) | (count << 26) | first;
 }
-constexpr std::uint32_t enter_step(std::uint32_t instance) { return leaf_step(instance, 0); }
+constexpr std::uint32_t instance_step(std::uint32_t instance) { return leaf_step(instance, 0); }
 constexpr bool is_enter(std::uint32_t word) { return word >> 26 == 1U << 4; }
 constexpr std::uint32_t instance_index_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t first_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }

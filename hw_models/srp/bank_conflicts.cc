@@ -25,20 +25,20 @@ struct LocalAccess {
 };
 
 bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.op == Op::kStoreLocal; }
-std::uint32_t words_of(const GraphNode& node) { return std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes); }
+std::uint32_t word_count_of(const GraphNode& node) { return std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes); }
 
 std::vector<LocalAccess> accesses_of(const KernelSchedule& schedule, const kernels::Graph& graph) {
   std::map<std::string, std::uint32_t> begins;  // first bank of each array
   std::uint32_t end = 0;
   for (const GraphNode& node : graph.nodes) {
     if (!is_local(node) || !begins.emplace(node.label, end).second) continue;
-    end += words_of(node);
+    end += word_count_of(node);
   }
   std::vector<LocalAccess> accesses;
   for (const Placement& p : schedule.placements) {
     const GraphNode& node = graph.nodes[p.node];
     if (!is_local(node)) continue;
-    LocalAccess a{p.start % schedule.ii, p.start / schedule.ii, words_of(node), begins.at(node.label) + p.part};
+    LocalAccess a{p.start % schedule.ii, p.start / schedule.ii, word_count_of(node), begins.at(node.label) + p.part};
     if (node.inputs[0] != GraphNode::kNone && graph.nodes[node.inputs[0]].op == Op::kConstant) {
       a.constant = true;
       a.index = graph.nodes[node.inputs[0]].value;

@@ -37,7 +37,7 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
 
 /// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to the next step. Rays
 /// do not store this list, because restarts are rare.
-void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
+void TraversalSlot::list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
   entries.clear();
   std::uint32_t instance = traces::kNone;
   bool must_pop = false;
@@ -73,7 +73,7 @@ void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& 
   assert(stack_depth_ > 0 && "a pop from an empty stack");
   // Each visit on the path pushes its far child again, so the short stack then contains the youngest entries. With a
   // restart trail, the last visit continues at its far child without a pop.
-  list_entries(walk, entries);
+  list_stack_entries(walk, entries);
   path.plan_path(entries, tree, has_trail);
   restarting_ = true;
   stats.restarts += 1;

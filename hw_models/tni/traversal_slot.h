@@ -81,15 +81,16 @@ class TraversalSlot {
   std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
 
-  /// Returns the sub-pipe that the ray's next step needs. `instances`: the scene has instances.
-  [[gnu::always_inline]] Pipe next_pipe(bool instances = true) {
+  /// Returns the sub-pipe that the ray's next step needs. `may_enter_instance`: false if the scene has no
+  /// instances.
+  [[gnu::always_inline]] Pipe next_pipe(bool may_enter_instance = true) {
     // Indexed by kind of step. The second half is used if a pop must precede the step.
     static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
                                                  kToStack, kToStack, kToStack, kToRetire};
     const traces::StepKind kind = traces::kind_of(next_step_);
     if (restarting_ || pending_culls_ > 0 || kind == traces::StepKind::kCull) [[unlikely]]
       return next_pipe_slow_path();
-    if (instances && !must_pop_ && traces::is_enter(next_step_)) [[unlikely]]
+    if (may_enter_instance && !must_pop_ && traces::is_enter(next_step_)) [[unlikely]]
       return kToInner;
     return kPipeOf[static_cast<std::size_t>(kind) + (must_pop_ ? 4U : 0U)];
   }
@@ -141,7 +142,7 @@ class TraversalSlot {
   void reset_lines() { lines_read_ = 0; }
   /// Returns the child (0 or 1) whose box the current pass of a visit tests, in a unit with one box tester.
   std::uint32_t tested_child() const { return child_; }
-  void switch_child() { child_ ^= 1U; }
+  void switch_to_other_child() { child_ ^= 1U; }
 
  private:
   void go_to_step(const std::uint32_t* step) {
@@ -158,7 +159,7 @@ class TraversalSlot {
     }
   }
   Pipe next_pipe_slow_path();
-  void list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
+  void list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
 
   const std::uint32_t* next_word_ = nullptr;
   std::uint32_t next_step_ = 0;

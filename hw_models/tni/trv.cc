@@ -242,7 +242,7 @@ template <bool kDefault>
 bool Trv::end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   slot.reset_lines();
   if (config_.box_testers == 2) return true;
-  slot.switch_child();
+  slot.switch_to_other_child();
   if (slot.tested_child() == 0) return true;
   stats_.first_passes += 1;
   pipes_.schedule_completion(kToInner, index, cycle, box_latency_);

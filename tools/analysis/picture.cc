@@ -147,8 +147,8 @@ void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
 }
 
 template <class Name>
-void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::string_view prefix,
-                std::span<const std::uint64_t> counts, const Name& names) {
+void add_marked_pictures(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::string_view prefix,
+                         std::span<const std::uint64_t> counts, const Name& names) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;
     pictures.push_back(
@@ -193,7 +193,7 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
     }));
     if (frame.sampling.propagated != 0)
       pictures.push_back(canvas.marked_picture("propagated", kernels::kCorrectedMark));
-    add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
+    add_marked_pictures(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
     return pictures;
   }
   if (program.kind == Kind::kReconstruct || program.kind == Kind::kSraa) {
@@ -203,7 +203,7 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
   }
   pictures.push_back(similar_picture(canvas));
   pictures.push_back(interpolated_picture(canvas));
-  add_marked(pictures, canvas, "check-", frame.sampling.failed, names_of(kernels::Check{}));
+  add_marked_pictures(pictures, canvas, "check-", frame.sampling.failed, names_of(kernels::Check{}));
   if (frame.sampling.has_rates) pictures.push_back(rates_picture(canvas));
   return pictures;
 }

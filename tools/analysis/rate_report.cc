@@ -25,7 +25,7 @@ Json clocks_json(const OperatingPoint& clocks) {
 }
 
 /// Evaluates a run at the target rate frame.fps. `slowest_share`: time of the slowest frame over the mean frame time.
-FrameRate rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
+FrameRate frame_rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
   const double ms = time_ms(run);
   return evaluate_frame_rate(config, {.energy = run.energy,
                                       .units = run.units,
@@ -56,7 +56,7 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
   double slowest_ms = 0;
   for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
   const double slowest_share = slowest_ms * run.frames / time_ms(run);
-  totals.update(frame_rate_json(rate_of(run, slowest_share, config)));
+  totals.update(frame_rate_json(frame_rate_of(run, slowest_share, config)));
   if (!totals.contains("replicates")) return;
   std::vector<double> margins = {totals["fps_margin"].get<double>()}, low, nominal, high;
   const auto add_power = [&](const Json& band) {
@@ -66,7 +66,7 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
   };
   add_power(totals["power_at_fps_w"]);
   for (const FrameResult& replicate : run.replicates) {
-    const FrameRate rate = rate_of(replicate, slowest_share, config);
+    const FrameRate rate = frame_rate_of(replicate, slowest_share, config);
     margins.push_back(rate.margin());
     add_power(sim::band_json(rate.power_w));
   }

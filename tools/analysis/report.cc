@@ -71,7 +71,7 @@ KernelGroup group_of(std::string_view kernel) {
 
 /// Returns the share of a kernel's cycles that belongs to a group of kernels: 0 or 1, except for fused kernels. Fused
 /// kernels count by the share of their operations that come from kernels of the group.
-double part_of(std::string_view kernel, KernelGroup group) {
+double group_share_of_kernel(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
   double all = 0, those = 0;
@@ -90,7 +90,7 @@ std::optional<double> kernel_share(const FrameResult& run, KernelGroup group) {
   for (std::size_t k = 0; k < run.kernels.size(); ++k) {
     const auto cycles = static_cast<double>(run.kernel_use[k].cycles);
     all += cycles;
-    those += cycles * part_of(run.kernels[k].kernel, group);
+    those += cycles * group_share_of_kernel(run.kernels[k].kernel, group);
   }
   if (all == 0) return {};
   return those / all;
@@ -101,7 +101,8 @@ std::optional<double> starved_share(const FrameResult& run) {
   double starved = 0;
   for (std::size_t k = 0; k < run.kernels.size(); ++k) {
     const std::string_view kernel = run.kernels[k].kernel;
-    const double part = part_of(kernel, KernelGroup::kCheck) + part_of(kernel, KernelGroup::kInterpolation);
+    const double part =
+        group_share_of_kernel(kernel, KernelGroup::kCheck) + group_share_of_kernel(kernel, KernelGroup::kInterpolation);
     starved += part * static_cast<double>(run.kernel_use[k].starved);
   }
   if (elapsed == 0) return {};
@@ -186,7 +187,9 @@ std::string mean_and_error_text(const Json& metrics, const char* path) {
   return fmt::format("{} ± {:.2g} %", sim::four_digit_text(mean), mean == 0 ? 0 : 100 * half / mean);
 }
 
-double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
+double pixel_count_of(const ReportFile& report) {
+  return report.number("resolution[0]") * report.number("resolution[1]");
+}
 
 /// Returns `totals.replicates` of a report: statistics of each noisy figure over all simulations of the run. `plain`:
 /// totals of the first, unperturbed simulation.
@@ -273,7 +276,7 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
   const double of_a = a.number("totals." + metric), of_b = b.number("totals." + metric);
   if (!is_noisy(metric) || of_a == 0 || of_b == 0) return std::nullopt;
   const std::optional<Draws> draws_a = draws_in(a, metric), draws_b = draws_in(b, metric);
-  double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), metric);
+  double assumed = default_noise(std::min(pixel_count_of(a), pixel_count_of(b)), metric);
   for (const auto& draws : {draws_a, draws_b}) {
     if (draws) assumed = std::max(assumed, replicate_noise(*draws));
   }
@@ -289,7 +292,7 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
 namespace {
 
 /// Divides the statistics of a metric over replicates by the machine's area in mm2.
-sim::Json per_mm2(sim::Json statistics, double mm2) {
+sim::Json divide_by_area(sim::Json statistics, double mm2) {
   for (auto& [name, number] : statistics.items()) {
     if (!number.is_array()) {
       number = number.get<double>() / mm2;
@@ -325,8 +328,8 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
   perf["mrays_per_s_per_mm2"] = perf["mrays_per_s"].get<double>() / mm2;
   if (!totals.contains("replicates")) return;
   auto& replicated = totals["replicates"]["figures"]["perf"];
-  replicated["frames_per_joule_per_mm2"] = per_mm2(replicated["frames_per_joule_gpu"], mm2);
-  replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
+  replicated["frames_per_joule_per_mm2"] = divide_by_area(replicated["frames_per_joule_gpu"], mm2);
+  replicated["mrays_per_s_per_mm2"] = divide_by_area(replicated["mrays_per_s"], mm2);
 }
 
 /// Ratio of simulated to requested tiles above which a warning is given. Chosen: a small excess is normal, because
@@ -334,7 +337,7 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
 constexpr double kExcessWarningRatio = 1.5;
 
 double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
-double tni_mj(const FrameResult& run) {
+double tni_energy_mj(const FrameResult& run) {
   return run.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
 }
 
@@ -435,7 +438,7 @@ std::uint64_t dram_bytes(const FrameResult& run) {
   return Units<hw::DramChannel>(run.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 
-void add_relative(Json& totals, const ComparedResult& result) {
+void add_relative_metrics(Json& totals, const ComparedResult& result) {
   const FrameResult &run = result.run, &reference = *result.reference;
   const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
   const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
@@ -447,8 +450,8 @@ void add_relative(Json& totals, const ComparedResult& result) {
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
                         {"traversal_steps", per(run.rendered.traversal_steps, reference.rendered.traversal_steps)},
                         {"dram_bytes", per(dram_bytes(run), dram_bytes(reference))},
-                        {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
-                        {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
+                        {"tni_power", power(run, tni_energy_mj(run)) / power(reference, tni_energy_mj(reference))},
+                        {"tni_perf_per_watt", tni_energy_mj(reference) / tni_energy_mj(run)},
                         {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
                         {"rays", per(run.rays(), reference.rays())}};
 }
@@ -530,7 +533,7 @@ Json totals_json(const ComparedResult& result) {
   totals["kernels"] = kernels_json(run);
   if (run.sampled) totals["sampled"] = sampled_json(run);
   if (run.sliced) totals["sliced"] = sliced_json(run);
-  if (result.reference != nullptr) add_relative(totals, result);
+  if (result.reference != nullptr) add_relative_metrics(totals, result);
   if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;
 }
@@ -591,12 +594,12 @@ Json report_json(const ReportInput& report) {
 
 sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work) {
   const double mj = energy.total_pj.nominal / sim::kPicojoulesPerMillijoule;
-  const double tni_mj = energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
+  const double tni_energy_mj = energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
   sim::Json out = sim::energy_json(energy);
   out["power_w"] = sim::band_json(energy.total_pj * (1 / (sim::kPicojoulesPerMillijoule * work.time_ms)));
   out["perf"] = {{"nj_per_ray", mj * 1e6 / work.rays},
                  {"frames_per_joule_gpu", 1000 * work.frames / mj},
-                 {"frames_per_joule_tni", 1000 * work.frames / tni_mj}};
+                 {"frames_per_joule_tni", 1000 * work.frames / tni_energy_mj}};
   return out;
 }
 

@@ -160,12 +160,12 @@ bool ends_in(std::string_view path, std::string_view text) {
 }
 
 /// True if a report path belongs to the group `text`, as "totals.rays.shadow" belongs to "totals.rays".
-bool is_below(std::string_view path, std::string_view text) {
+bool is_in_path_group(std::string_view path, std::string_view text) {
   return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
 }
 
 /// Returns the end of a report path with as many components as `text` has.
-std::string end_of(std::string_view path, std::string_view text) {
+std::string path_end_of_same_depth(std::string_view path, std::string_view text) {
   std::size_t at = std::string_view::npos;
   for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {
     at = at == 0 ? std::string_view::npos : path.rfind('.', at == std::string_view::npos ? at : at - 1);
@@ -195,7 +195,7 @@ struct PathCandidates {
     std::vector<std::string> below;
     for (const std::string& path : paths) {
       if (path == text || (path == in_totals && one.empty())) one = path;
-      if (is_below(path, text) || is_below(path, in_totals)) group.push_back(path);
+      if (is_in_path_group(path, text) || is_in_path_group(path, in_totals)) group.push_back(path);
       if (path.find(inside) != std::string::npos) below.push_back(path);
       if (!ends_in(path, text)) continue;
       ends[path.starts_with("totals.") ? 0 : path.starts_with("frames[") ? 2 : 1].push_back(path);
@@ -221,15 +221,16 @@ std::string nearest_end(std::string_view text, std::span<const std::string> path
   std::set<std::string> known;
   for (const std::string_view path : paths) {
     if (!path.starts_with(start)) continue;
-    known.insert(end_of(path, text));
-    if (path.ends_with(kNominal)) known.insert(end_of(path.substr(0, path.size() - kNominal.size()), text));
+    known.insert(path_end_of_same_depth(path, text));
+    if (path.ends_with(kNominal))
+      known.insert(path_end_of_same_depth(path.substr(0, path.size() - kNominal.size()), text));
   }
   const std::vector<std::string> names(known.begin(), known.end());
   return traces::did_you_mean(text, names);
 }
 
 /// Returns the path of the nominal value if the paths of a group are a band (low, nominal, high); otherwise empty.
-std::string nominal_of(const std::vector<std::string>& group) {
+std::string nominal_value_path(const std::vector<std::string>& group) {
   constexpr std::size_t kSides = 3;
   if (group.size() != kSides) return {};
   const std::string name = group.front().substr(0, group.front().rfind('.'));
@@ -275,7 +276,7 @@ Numbers unit_sums(const Json& report) {
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {
   const PathCandidates m(text, paths);
   if (!m.one.empty()) return m.one;
-  if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
+  if (std::string nominal = nominal_value_path(m.group); !nominal.empty()) return nominal;
   if (!m.group.empty()) {
     const bool is_in_totals = m.group.front().starts_with("totals.");
     const std::string nearest = is_in_totals ? "" : nearest_end(text, paths, "totals.");

@@ -141,7 +141,7 @@ std::string sustained_text(const Json& totals) {
 
 /// Explains why a run with fewer traversal steps than its reference is slower: names the cause whose share of a core's
 /// time grew most. Empty for other runs.
-std::string slower_because(const Json& t) {
+std::string slowdown_text(const Json& t) {
   const Json &relative = t["relative"], &reference = t["reference"];
   const double steps = relative["traversal_steps"].get<double>();
   if (relative["speedup"].get<double>() >= 1 || steps >= 1) return "";
@@ -211,7 +211,7 @@ std::string overview_text(const Json& report) {
                     r["tni_perf_per_watt"].get<double>(), r["gpu_perf_per_watt"].get<double>(),
                     t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
     line("reference's time", top_down_text(t["reference"]["top_down"]));
-    if (const std::string why = slower_because(t); !why.empty()) line("slower because", why);
+    if (const std::string why = slowdown_text(t); !why.empty()) line("slower because", why);
   }
   return out;
 }

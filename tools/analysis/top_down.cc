@@ -459,13 +459,13 @@ Least lower_time_bounds(const CoreTime::Demands& d) {
 
 /// Returns the times of a core's stages if no ray slots were spilled: memory queues are shorter and the L2 is blocked
 /// less. `tree`: miss time of the T&I unit.
-Stages without_spills(const CoreTime& t, double tree) {
+Stages stages_without_spills(const CoreTime& t, double tree) {
   const double relief = t.demands.dram_queue * (1 - remaining_queue_ratio(t.demands.dram_busy, t.demands.spills));
   const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
   return {t.busy_share() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
 }
 
-std::string_view words_of(std::string_view resource) {
+std::string_view resource_words(std::string_view resource) {
   return std::ranges::find(hw::IdealConfig::kResources, resource, &hw::IdealConfig::Resource::name)->words;
 }
 
@@ -509,7 +509,7 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
 
   const double moving = std::min(spilling, d.spill_lines);  // time to move spilled slots with an ideal memory
 
-  const Stages fitting = without_spills(t, tree);
+  const Stages fitting = stages_without_spills(t, tree);
   const double fitting_time = combined_time(fitting, p);
   const double hidden = std::clamp(fitting_time - std::ranges::max(fitting), 0.0, d.no_slots + t.banks);
 
@@ -548,8 +548,8 @@ std::string limiter_text(std::vector<Estimate> estimates) {
   std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
   const Estimate &first = estimates[0], &second = estimates[1];
   if (first.speedup < 1.01) return "no single resource: none would gain 1 % if ideal";
-  return fmt::format("{} (x{:.2f} if ideal; next: {}, x{:.2f})", words_of(first.resource), first.speedup,
-                     words_of(second.resource), second.speedup);
+  return fmt::format("{} (x{:.2f} if ideal; next: {}, x{:.2f})", resource_words(first.resource), first.speedup,
+                     resource_words(second.resource), second.speedup);
 }
 
 }  // namespace tools

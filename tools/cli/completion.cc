@@ -237,7 +237,7 @@ std::string set_option_lines() {
       single_quoted(keys_with_equals(keys.every)), single_quoted(keys_with_equals(keys.of_energy)), values);
 }
 
-std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
+std::string bash_completions(const std::vector<DeclaredVerb>& verbs) {
   return R"(_raywatt() {
   local verb word next= choices= names= keys= key= begun=
   local previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
@@ -272,7 +272,7 @@ complete -o filenames -F _raywatt raywatt
 )";
 }
 
-std::string for_zsh(const std::vector<DeclaredVerb>& verbs) {
+std::string zsh_completions(const std::vector<DeclaredVerb>& verbs) {
   return R"(#compdef raywatt
 _raywatt() {
   local verb word next= choices= names= keys= key= previous=${words[CURRENT-1]} current=${words[CURRENT]}
@@ -311,7 +311,7 @@ std::string fish_settings() {
   return out + "      end\n  end\nend\n";
 }
 
-std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
+std::string fish_completions(const std::vector<DeclaredVerb>& verbs) {
   std::string out = fish_settings() + R"(function __raywatt_verb
   set -l verb raywatt
   for word in (commandline -opc)[2..-1]
@@ -423,7 +423,9 @@ void add_completion(CLI::App& app) {
   verb->footer("Example: source <(raywatt completion bash)\nAn installation already contains all three scripts.");
   verb->callback([&app, shell] {
     const std::vector<DeclaredVerb> verbs = declared_verbs(app);
-    fmt::print("{}", *shell == "bash" ? for_bash(verbs) : *shell == "zsh" ? for_zsh(verbs) : for_fish(verbs));
+    fmt::print("{}", *shell == "bash"  ? bash_completions(verbs)
+                     : *shell == "zsh" ? zsh_completions(verbs)
+                                       : fish_completions(verbs));
   });
 }
 

@@ -59,7 +59,7 @@ void add_show(CLI::App& group) {
   verb->footer("Example: raywatt energy show cache.l1_read\nExit code 0, or 2 if there is no such entry.");
   verb->callback([o] {
     fmt::print("{}", describe_energy_entries(o->job, o->name));
-    print_table_warnings(o->job);
+    print_technology_table_warnings(o->job);
   });
 }
 

@@ -158,7 +158,7 @@ void refuse_empty_values(CLI::App& app) {
   for (CLI::App* verb : app.get_subcommands([](CLI::App*) { return true; })) refuse_empty_values(*verb);
 }
 
-void print_table_warnings(const JobOptions& options) {
+void print_technology_table_warnings(const JobOptions& options) {
   for (const std::string& line : technology_table_warnings(load_run_config(options)))
     print_message("warning: {}", line);
 }

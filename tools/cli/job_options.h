@@ -30,7 +30,7 @@ void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
 /// Prints a warning to stderr for each size, clock or voltage of a configuration that is outside the ranges of its
 /// energy, area and latency tables.
-void print_table_warnings(const JobOptions& options);
+void print_technology_table_warnings(const JobOptions& options);
 
 /// Adds the options that choose how the points of a sweep or a search are launched.
 void add_launcher_options(CLI::App& verb, LauncherOptions& options);

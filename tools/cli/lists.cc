@@ -122,7 +122,7 @@ void add_config(CLI::App& app) {
   show->callback([options] {
     reject_key_argument(options->config);
     fmt::print("{}", sim::dump_config(load_run_config(*options)));
-    print_table_warnings(*options);
+    print_technology_table_warnings(*options);
   });
   CLI::App* schema = verb->add_subcommand("schema", "Print a JSON Schema of configuration files");
   schema->footer("Example: raywatt config schema > schema.json");

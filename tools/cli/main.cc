@@ -104,7 +104,9 @@ std::string missing_argument(const CLI::App& verb) {
 }
 
 /// Formats a bound such as "0.010000" without trailing zeros.
-std::string shown_bound(const std::string& bound) { return fmt::format("{}", std::strtod(bound.c_str(), nullptr)); }
+std::string bound_without_trailing_zeros(const std::string& bound) {
+  return fmt::format("{}", std::strtod(bound.c_str(), nullptr));
+}
 
 bool is_number(const std::string& text) {
   char* end = nullptr;
@@ -135,9 +137,9 @@ std::string reword_cli_error(const std::string& error) {
     const std::string value = what.substr(kValue.size(), at - kValue.size());
     const std::string range = what.substr(at + kNotInRange.size());
     const std::size_t to = range.find(kTo);
-    return fmt::format("{}: '{}' is {}; allowed: {} to {}", where, value,
-                       is_number(value) ? "out of range" : "no number", shown_bound(range.substr(0, to)),
-                       shown_bound(range.substr(to + kTo.size())));
+    return fmt::format(
+        "{}: '{}' is {}; allowed: {} to {}", where, value, is_number(value) ? "out of range" : "no number",
+        bound_without_trailing_zeros(range.substr(0, to)), bound_without_trailing_zeros(range.substr(to + kTo.size())));
   }
   if (const std::size_t at = what.find(kReceived); at != std::string::npos) {
     const bool is_least = what.starts_with(kLeast);

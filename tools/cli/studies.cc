@@ -208,7 +208,7 @@ void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
   for (const BenchmarkOption& option : benchmark.options) add_option(*app, option, *job);
   app->footer(benchmark.footer);
   app->callback([name = benchmark.name, measure = benchmark.measure, job, &exit] {
-    print_table_warnings(job->machine);
+    print_technology_table_warnings(job->machine);
     print_findings(measure(*job), name, job->json, exit);
   });
 }
@@ -345,8 +345,9 @@ void add_compare(CLI::App& app) {
 
 namespace {
 
-CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<BaselineOptions>& options,
-                   int& exit, int (*run)(const BaselineOptions&)) {
+CLI::App* add_baseline_verb(CLI::App& verb, const char* name, const char* what,
+                            const std::shared_ptr<BaselineOptions>& options, int& exit,
+                            int (*run)(const BaselineOptions&)) {
   CLI::App* step = verb.add_subcommand(name, what);
   step->add_option("suite", options->suite, "the suite, a YAML file (docs/compare.md)")->required();
   step->add_option("-j,--jobs", options->jobs, "concurrent runs (default: all host threads)")
@@ -366,18 +367,19 @@ void add_baseline(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("baseline", "Store the results of small runs, and detect changes");
   verb->require_subcommand(1);
   const auto options = std::make_shared<BaselineOptions>();
-  CLI::App* step = add_step(*verb, "record", "Compute a suite and store its values", options, exit, record_baseline);
+  CLI::App* step =
+      add_baseline_verb(*verb, "record", "Compute a suite and store its values", options, exit, record_baseline);
   step->add_flag("--force", options->force, "replace stored values without showing changes");
   step->footer("Example: raywatt baseline record tests/baseline/suite.yaml");
-  step = add_step(*verb, "check", "Compute a suite and report changed values, and the unit that changed", options, exit,
-                  check_baseline);
+  step = add_baseline_verb(*verb, "check", "Compute a suite and report changed values, and the unit that changed",
+                           options, exit, check_baseline);
   step->add_option("--junit", options->junit,
                    "also write the result to this file as JUnit XML; replaces only a file of an earlier check");
   step->add_flag("--force", options->force, "with --junit: replace any file of that name");
   step->footer(
       "Example: raywatt baseline check tests/baseline/suite.yaml --junit baseline.xml\n"
       "Exit code 0: nothing changed; 1: something changed; 2: stored values are missing or belong to other inputs.");
-  step = add_step(*verb, "accept", "Show changed values and store them", options, exit, accept_baseline);
+  step = add_baseline_verb(*verb, "accept", "Show changed values and store them", options, exit, accept_baseline);
   step->footer("Example: raywatt baseline accept tests/baseline/suite.yaml");
   verb->footer("Example: raywatt baseline check tests/baseline/suite.yaml");
 }

@@ -120,7 +120,7 @@ CLI::App* add_query(CLI::App& group, const char* name, const char* description, 
   return verb;
 }
 
-void add_where(CLI::App& verb, std::vector<std::string>& where) {
+void add_where_option(CLI::App& verb, std::vector<std::string>& where) {
   verb.add_option("--where", where,
                   "only points that meet this condition, e.g. 'power_w.nominal<1 and cores>=2' (repeatable); over "
                   "several workloads a machine must meet it on each")
@@ -182,7 +182,7 @@ void add_table(CLI::App& group) {
       ->type_name("A,B,...");
   verb->add_flag("--machines", o->machines, "one row per machine: its metrics over the list of workloads");
   verb->add_option("--sort", o->sort, "column to sort by; largest first with :desc")->type_name("COLUMN[:desc]");
-  add_where(*verb, o->where);
+  add_where_option(*verb, o->where);
   refuse_negative(*verb->add_option("--limit", o->limit, "maximum number of rows")->type_name("N"));
   verb->add_flag("--csv", o->csv, "print CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
@@ -204,7 +204,7 @@ void add_pareto(CLI::App& group) {
       ->required()
       ->type_name("[max:|min:]PATH");
   verb->add_option("--y", o->y, "the other metric")->required()->type_name("[max:|min:]PATH");
-  add_where(*verb, o->where);
+  add_where_option(*verb, o->where);
   verb->add_flag("--csv", o->csv, "print the front as CSV");
   add_energy_option(*verb, o->band);
   verb->footer(
@@ -229,7 +229,7 @@ void add_sensitivity(CLI::App& group) {
           "metric: a report path, a unique end of one, or a function over workloads such as worst(fps) (repeatable)")
       ->allow_extra_args(false)
       ->type_name("PATH");
-  add_where(*verb, o->where);
+  add_where_option(*verb, o->where);
   add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep sensitivity out/l1 --metric cycles --metric dram_bytes");
   verb->callback([o] {
@@ -252,7 +252,7 @@ void add_best(CLI::App& group) {
               "metric to maximise; over several workloads worst(PATH), mean(PATH), geomean(PATH) or on(NAME, PATH)")
           ->type_name("PATH");
   verb->add_option("--min", o->least, "metric to minimise")->type_name("PATH")->excludes(most);
-  add_where(*verb, o->where);
+  add_where_option(*verb, o->where);
   add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep best out/l1 --max frames_per_joule_gpu --where 'power_w.nominal<1'");
   verb->callback([o] {

@@ -184,7 +184,7 @@ void Progress::finish(const std::string& how) {
   thread_.join();
   if (form_ == Form::kJson) write_stderr(progress_json(current_state()));
   if (form_ == Form::kView && view_lines_ != 0) show_view();
-  if (form_ == Form::kLines) show_line();
+  if (form_ == Form::kLines) print_progress_line();
   erase_bar();
 }
 
@@ -208,7 +208,7 @@ void Progress::draw_progress() {
     return;
   }
   if (form_ == Form::kView) return show_view();
-  if (form_ == Form::kLines) return show_line();
+  if (form_ == Form::kLines) return print_progress_line();
   bar_is_there_ = true;
   set_bar_visible(true);
   write_stderr(fmt::format("\r{}\x1b[K", progress_line(current_state(), columns_of_terminal())));
@@ -237,7 +237,7 @@ void Progress::show_view() {
 }
 
 /// Prints the progress as a new line, for output that is not a terminal.
-void Progress::show_line() {
+void Progress::print_progress_line() {
   constexpr std::size_t kAnyLength = 1 << 10;
   const ProgressState state = current_state();
   std::string line = progress_line(state, kAnyLength);

@@ -102,7 +102,7 @@ class Progress {
   void run_display();
   void draw_progress();
   void show_view();
-  void show_line();
+  void print_progress_line();
   void erase_bar();
   ProgressState current_state() const;
   double traced_seconds() const;

@@ -213,7 +213,7 @@ namespace {
 
 constexpr std::uint64_t kLargestIntervals = 1ULL << 30;
 
-std::filesystem::path file_beside(const ReportFile& report) { return report.file.parent_path() / kIntervalFile; }
+std::filesystem::path interval_file_of(const ReportFile& report) { return report.file.parent_path() / kIntervalFile; }
 
 bool are_named(std::span<const sim::UnitReport> units, std::span<const IntervalUnit> names) {
   const auto same_counter = [](const sim::CounterReport& counter, const IntervalUnit::Counter& named) {
@@ -237,14 +237,14 @@ bool equal_counts(const std::vector<sim::UnitReport>& a, const std::vector<sim::
 
 bool RunIntervals::has_intervals(const ReportFile& report) {
   std::error_code ignored;
-  return std::filesystem::is_regular_file(file_beside(report), ignored);
+  return std::filesystem::is_regular_file(interval_file_of(report), ignored);
 }
 
 RunIntervals RunIntervals::load(const std::filesystem::path& run) { return RunIntervals(load_report(run)); }
 
 RunIntervals::RunIntervals(const ReportFile& report)
     : config_(reported_config(report)), units_(idle_units(*config_.gpu, ReportedCounts(report).has_rasteriser())) {
-  const std::filesystem::path file = file_beside(report);
+  const std::filesystem::path file = interval_file_of(report);
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));
   };
@@ -272,14 +272,14 @@ RunIntervals::RunIntervals(const ReportFile& report)
 void RunIntervals::set_cumulative_values(const IntervalFrame& frame, std::size_t interval,
                                          std::span<sim::UnitReport> units) {
   const std::span<const std::uint64_t> row = frame.row(interval);
-  sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
+  sim::set_each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
 }
 
 void RunIntervals::set_interval_values(const IntervalFrame& frame, std::size_t interval,
                                        std::span<sim::UnitReport> units) {
   if (interval == 0) return set_cumulative_values(frame, interval, units);
   const std::span<const std::uint64_t> row = frame.row(interval), before = frame.row(interval - 1);
-  sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind kind) {
+  sim::set_each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind kind) {
     value = kind == sim::CounterKind::kPeak ? row[i] : row[i] - before[i];
   });
 }
@@ -324,9 +324,9 @@ class Table {
     for (std::size_t i = 0; i < frame_.rows; ++i) {
       RunIntervals::set_cumulative_values(frame_, i, until_);
       RunIntervals::set_interval_values(frame_, i, within_);
-      table_.begin_us.push_back(static_cast<double>(frame_.begin_of(i)) / sim::kFemtosecondsPerMicrosecond);
-      table_.end_us.push_back(static_cast<double>(frame_.end_of(i)) / sim::kFemtosecondsPerMicrosecond);
-      time_ = static_cast<double>(frame_.end_of(i) - frame_.begin_of(i));
+      table_.begin_us.push_back(static_cast<double>(frame_.interval_begin(i)) / sim::kFemtosecondsPerMicrosecond);
+      table_.end_us.push_back(static_cast<double>(frame_.interval_end(i)) / sim::kFemtosecondsPerMicrosecond);
+      time_ = static_cast<double>(frame_.interval_end(i) - frame_.interval_begin(i));
       series_.next_interval();
       add_power(i);
       add_bandwidths();
@@ -343,7 +343,7 @@ class Table {
 
  private:
   void add_power(std::size_t interval) {
-    energy_.set_counts(until_, frame_.end_of(interval));
+    energy_.set_counts(until_, frame_.interval_end(interval));
     std::vector<double> blocks = energy_.block_energies(side_), kinds = energy_.kind_energies(side_);
     blocks.push_back(energy_.total_pj(side_));
     if (blocks_before_.empty()) blocks_before_.resize(blocks.size()), kinds_before_.resize(kinds.size());

@@ -40,8 +40,8 @@ struct IntervalFrame {
   std::vector<std::uint64_t> values{};  ///< cumulative values of all units, row by row
 
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
-  sim::Time begin_of(std::size_t i) const { return i * length; }
-  sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
+  sim::Time interval_begin(std::size_t i) const { return i * length; }
+  sim::Time interval_end(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
   /// Returns a copy with at most `max_intervals` intervals, made by repeatedly merging pairs of neighbouring intervals.
   IntervalFrame with_merged_intervals(std::size_t max_intervals) const;
 };

@@ -47,7 +47,7 @@ bool is_among(std::string_view figure, const auto& names) {
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 /// Returns the half-width of the 95 % interval of the difference of two runs, in units of one run's standard deviation.
-double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
+double half_width_of_pair_in_deviations() { return student_t_quantile(kEndless) * std::sqrt(2.0); }
 
 }  // namespace
 
@@ -58,14 +58,17 @@ double default_noise(double pixels, std::string_view figure) {
 
 bool is_noisy(std::string_view figure) { return is_among(figure, kNoisyFigures); }
 
-double replicate_noise(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
+double replicate_noise(const Draws& draws) {
+  return half_width_of_pair_in_deviations() * draws.deviation / std::abs(draws.mean);
+}
 
 double MeasuredFigure::standard_error() const {
-  return draws ? difference_of(*draws, Draws{1, 0, 0}).error : assumed * std::abs(value) / deviations_of_pair();
+  return draws ? difference_of(*draws, Draws{1, 0, 0}).error
+               : assumed * std::abs(value) / half_width_of_pair_in_deviations();
 }
 
 double MeasuredFigure::half_width() const {
-  return draws ? draws->half_width() : student_t(kEndless) * standard_error();
+  return draws ? draws->half_width() : student_t_quantile(kEndless) * standard_error();
 }
 
 MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b) {
@@ -81,16 +84,16 @@ using Student = boost::math::students_t_distribution<double, Policy>;
 
 }  // namespace
 
-double student_t(double degrees, double share) { return boost::math::quantile(Student(degrees), share); }
+double student_t_quantile(double degrees, double share) { return boost::math::quantile(Student(degrees), share); }
 
-double student_t_above(double t, double degrees) {
+double student_t_tail(double t, double degrees) {
   return boost::math::cdf(boost::math::complement(Student(degrees), t));
 }
 
 double Draws::half_width() const {
   if (count < 2) return 0;
   const auto n = static_cast<double>(count);
-  return student_t(n - 1) * deviation / std::sqrt(n);
+  return student_t_quantile(n - 1) * deviation / std::sqrt(n);
 }
 
 Draws draw_statistics(std::span<const double> values) {
@@ -107,7 +110,7 @@ Draws draw_statistics(std::span<const double> values) {
 
 double MeanDifference::one_sided_p_value() const {
   if (error == 0) return value > 0 ? 0 : 1;
-  return student_t_above(value / error, degrees);
+  return student_t_tail(value / error, degrees);
 }
 
 MeanDifference difference_of(const Draws& a, const Draws& b) {

@@ -10,9 +10,9 @@
 namespace tools {
 
 /// Returns the quantile of Student's t distribution for the cumulative probability `share`.
-double student_t(double degrees, double share = 0.975);
+double student_t_quantile(double degrees, double share = 0.975);
 /// Returns the probability that a variable of Student's t distribution exceeds `t`.
-double student_t_above(double t, double degrees);
+double student_t_tail(double t, double degrees);
 
 /// Statistics of repeated measurements (draws) of a figure.
 struct Draws {
@@ -32,7 +32,7 @@ struct MeanDifference {
   double degrees = 1;  ///< degrees of freedom by the Welch-Satterthwaite equation
 
   /// Returns the half-width of the 95 % interval of the difference.
-  double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
+  double half_width() const { return error == 0 ? 0 : student_t_quantile(degrees) * error; }
   /// Returns the one-sided p-value: the probability of a difference at least as large as `value` if the true difference
   /// is zero.
   double one_sided_p_value() const;

@@ -14,7 +14,7 @@ constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = "
 
 double side_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
   if (block == kPeriod) return run.period_energy_pj(side);
-  return block.empty() ? run.total(side) : run.of_block(block, side);
+  return block.empty() ? run.total(side) : run.block_energy_pj(block, side);
 }
 
 std::optional<EnergyMetric> energy_metric(std::string_view path) {

@@ -164,7 +164,7 @@ void apply_table(const PriceTable& table, RunConfig& config) {
   }
 }
 
-WorkDone work_of(const ReportFile& report) {
+WorkDone work_done_of(const ReportFile& report) {
   const auto frames = report.json.find("frames");
   const bool listed = frames != report.json.end() && frames->is_array() && !frames->empty();
   return {report.number("totals.time_ms"), report.number("totals.rays.total"),
@@ -174,7 +174,7 @@ WorkDone work_of(const ReportFile& report) {
 }  // namespace
 
 PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
-    : config_(reported_config(report)), work_(work_of(report)) {
+    : config_(reported_config(report)), work_(work_done_of(report)) {
   const double cycles = report.number("totals.cycles");
   if (!(cycles >= 0 && cycles < 0x1p53)) ReportedCounts(report).refuse("totals.cycles is no count");
   elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu->clocks.tni.clock().period();
@@ -188,7 +188,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
     ReportedCounts(report).refuse(
         fmt::format("by its own table its counts come to {:.6g} mJ, and it states {:.6g}", own, stated));
   }
-  if (!table.is_own()) {
+  if (!table.is_own_table()) {
     apply_table(table, config_);
     units = idle_units(*config_.gpu, counts.has_rasteriser());
     counts.fill(units);
@@ -235,7 +235,7 @@ void PricedRun::restore_nominal() {
   update_formula();
 }
 
-double PricedRun::of_block(const std::string& block, sim::BandMember side) const {
+double PricedRun::block_energy_pj(const std::string& block, sim::BandMember side) const {
   const std::vector<std::string>& names = formula_->block_names();
   const auto found = std::ranges::find(names, block);
   if (found == names.end()) throw sim::InputError(fmt::format("no energy block is called '{}'", block));

@@ -53,7 +53,7 @@ struct EnergyDraw {
 struct PriceTable {
   std::string energy{};             ///< name of a whole energy table, as for energy.extends; empty: the run's own table
   std::vector<std::string> sets{};  ///< "key=value" for keys that affect only energy
-  bool is_own() const { return energy.empty() && sets.empty(); }
+  bool is_own_table() const { return energy.empty() && sets.empty(); }
 };
 
 /// Computes the energy of a finished run without simulation, from the counts in its report and its configuration.
@@ -85,7 +85,7 @@ class PricedRun {
 
   /// Returns the run's energy in pJ under the low, nominal or high figures.
   double total(sim::BandMember side) const { return formula_->total_pj(side); }
-  double of_block(const std::string& block, sim::BandMember side) const;
+  double block_energy_pj(const std::string& block, sim::BandMember side) const;
   /// Returns the mean energy in pJ of a frame period at the target rate frame.fps (above 0): a frame and the idle time
   /// after it.
   double period_energy_pj(sim::BandMember side) const;

@@ -66,7 +66,7 @@ class PictureFiles {
   /// Returns the jobs that write the picture files, with the slowest job first.
   std::vector<std::function<void()>> picture_jobs() {
     const std::vector<float>& rgb = of_.played.frame.rendered.rgb;
-    if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) add_exr("image.exr", rgb);
+    if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_partial()) add_exr("image.exr", rgb);
     if (of_.played.is_first && of_.played.reference != nullptr)
       add_exr("reference.exr", of_.played.reference->rendered.rgb);
     if (of_.played.is_first && of_.has_picture) add_png("image.png", [&rgb] { return to_rgb8(rgb); });
@@ -74,7 +74,7 @@ class PictureFiles {
     if (of_.played.inputs.frames() > 1 && of_.has_picture) {
       add_png(fmt::format("frame-{:04}.png", of_.played.inputs.frame), [&rgb] { return to_rgb8(rgb); });
     }
-    if (of_.played.is_first && !of_.played.frame.is_part() && !of_.played.frame.rendered.pixels.empty()) {
+    if (of_.played.is_first && !of_.played.frame.is_partial() && !of_.played.frame.rendered.pixels.empty()) {
       add_job(
           [this] { write_pixels(folder_ / kPixelsFile, of_.played.frame.rendered.pixels, width_, height_, notes_); });
     }
@@ -197,8 +197,8 @@ class LiveRun final : public View, public RunWatcher {
     if (row_.empty()) return {};
     const double watts = (energy_until_pj(row_, end_) - energy_until_pj(before_, begin_)) /
                          static_cast<double>(end_ - begin_) * sim::kWattsPerPicojouleOverFemtosecond;
-    sim::each_value(units_,
-                    [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row_[i] - before_[i]; });
+    sim::set_each_value(units_,
+                        [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row_[i] - before_[i]; });
     const Utilisation used = utilisation_of(units_);
     return {fmt::format("T&I {:.0f} %  SRP {:.0f} %  DRAM {:.0f} %  {:.2f} W  at {:.0f} us of simulated time",
                         100 * used.tni, 100 * used.srp, 100 * used.dram, watts,
@@ -214,7 +214,7 @@ class LiveRun final : public View, public RunWatcher {
 
  private:
   double energy_until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
-    sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
+    sim::set_each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
     formula_->set_counts(units_, end);
     return formula_->total_pj(&sim::Band::nominal);
   }

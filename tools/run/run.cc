@@ -85,14 +85,14 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
     if (options.timeline != nullptr) options.timeline->end_frame(frame, out.tiles.frames.back(), inputs.config);
   }
   std::optional<FrameResult> reference;
-  if (frames.has_reference() && !frame.is_part()) {
+  if (frames.has_reference() && !frame.is_partial()) {
     try {
       reference = frames.simulate_reference(common);
     } catch (const Interrupted&) {
       if (!may_be_part) throw;
     }
   }
-  out.set_partial(frame, frames.replicates(), frames.has_reference() && !reference);
+  out.set_missing_parts(frame, frames.replicates(), frames.has_reference() && !reference);
   const double error = reference ? frames.squared_error(frame, *reference) : 0;
   if (options.trace != nullptr && !out.partial) options.trace->end_frame(recorded_frame(inputs.frame, error));
   if (options.on_frame) {
@@ -202,7 +202,7 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
                     const sim::Intervals* over_time) {
   const auto entry_of = [&](const FrameResult& s, const ComparedResult& result) {
     sim::Json entry = {{"frame", number}};
-    if (s.is_part()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
+    if (s.is_partial()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
     entry.update(totals_json(result));
     if (!s.rendered.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(s.rendered.sampling);
     return entry;
@@ -219,15 +219,15 @@ ComparedResult RunResult::report_totals() const {
   return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
 }
 
-void RunResult::set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference) {
+void RunResult::set_missing_parts(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference) {
   const bool lacks_replicates = frame.replicates.size() + 1 < replicates;
   missing = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
                         lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
-  partial = frame.is_part() || !missing.empty();
+  partial = frame.is_partial() || !missing.empty();
 }
 
 std::string RunResult::finished_part_text(std::size_t all) const {
-  if (total->is_part()) {
+  if (total->is_partial()) {
     return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
                        frames.front()["frame"].get<std::uint32_t>());
   }

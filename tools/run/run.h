@@ -63,7 +63,7 @@ struct RunResult {
   ComparedResult report_totals() const;
   /// Marks the run as partial if an interrupt has left this frame with fewer than `replicates` simulations or without
   /// its reference.
-  void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
+  void set_missing_parts(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
   /// Returns a text on how much of the run, which has `all` frames, was finished before an interrupt.
   std::string finished_part_text(std::size_t all) const;
 };

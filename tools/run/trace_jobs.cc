@@ -112,7 +112,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     if (result.partial && result.frames.size() < to_replace) throw Interrupted();
     const double wall = sim::seconds_since(begin);
     json = report_json({frames.inputs(), options, result.report_totals(), result.frames, result.partial, wall});
-    if (result.total->is_part()) remove_sampling_counts(json);
+    if (result.total->is_partial()) remove_sampling_counts(json);
     timeline.write_file(open(), json);
     write_report(open(), json, frames.inputs().config, result);
     write_reference(open(), {frames.inputs(), options}, result);

@@ -93,7 +93,7 @@ class Verification {
 };
 
 /// Estimates the host seconds to load the scene and verify all frames.
-double seconds_of(const Inputs& inputs, const JobOptions& options) {
+double estimated_verify_seconds(const Inputs& inputs, const JobOptions& options) {
   constexpr double kTimes = 2;  // chosen; rays are traced once by this program and twice by Embree
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);
   return inputs.load_seconds + estimate_render_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
@@ -108,7 +108,8 @@ int verify_frames(const JobOptions& options) {
   Inputs inputs = load_inputs(options, &progress);
   print_warnings(inputs.warnings, &progress);
   if (progress.shows_hints())
-    print_duration_hint(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
+    print_duration_hint(estimated_verify_seconds(inputs, options), "a smaller --resolution or fewer --frames take less",
+                        progress);
   progress.expect_parts(2 * inputs.frames());
   const std::size_t to_replace = min_frames_to_replace(folder.target() / "verify.json");
   Verification done;

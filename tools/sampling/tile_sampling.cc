@@ -246,7 +246,7 @@ double SampleWeights::half_width(std::span<const double> observed) const {
   const Eigen::VectorXd rates = as_vector(observed).cwiseQuotient(as_vector(sizes_));
   const Eigen::Map<const Eigen::MatrixXd> smoother(smoother_.data(), rates.size(), rates.size());
   const double left = (rates - smoother * rates).squaredNorm();
-  return student_t(degrees_) * std::sqrt(left / degrees_ * as_vector(shares_).squaredNorm());
+  return student_t_quantile(degrees_) * std::sqrt(left / degrees_ * as_vector(shares_).squaredNorm());
 }
 
 namespace {

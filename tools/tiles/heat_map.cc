@@ -33,7 +33,7 @@ std::vector<Area> sum_by_area(const TileFrame& tiles, auto&& value) {
   return areas;
 }
 
-HeatMap of_tiles(HeatMap map, const std::vector<Area>& areas, bool shared) {
+HeatMap tile_heat_map(HeatMap map, const std::vector<Area>& areas, bool shared) {
   map.values.resize(std::size_t{map.width} * map.height);
   for (const Area& area : areas) {
     const double pixels = std::max(1.0, static_cast<double>(area.width) * area.height);
@@ -45,8 +45,8 @@ HeatMap of_tiles(HeatMap map, const std::vector<Area>& areas, bool shared) {
   return map;
 }
 
-HeatMap of_pixels(HeatMap map, const std::vector<kernels::PixelWork>& pixels,
-                  std::uint32_t kernels::PixelWork::*figure) {
+HeatMap pixel_heat_map(HeatMap map, const std::vector<kernels::PixelWork>& pixels,
+                       std::uint32_t kernels::PixelWork::*figure) {
   for (const kernels::PixelWork& pixel : pixels) map.values.push_back(static_cast<float>(pixel.*figure));
   return map;
 }
@@ -66,12 +66,12 @@ std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std
   const auto map = [&](const char* name, const char* title, const char* colours) {
     return HeatMap{name, title, colours, width, height, {}};
   };
-  return {of_tiles(map("cycles", "Cycles of a tile", "turbo"), sum_by_area(tiles, cycles), false),
-          of_tiles(map("srp-cycles", "SRP cycles of a tile", "turbo"), sum_by_area(tiles, srp_cycles), false),
-          of_pixels(map("rays", "Rays of a pixel", "viridis"), pixels, &PixelWork::rays),
-          of_pixels(map("steps", "Traversal steps of a pixel", "viridis"), pixels, &PixelWork::steps),
-          of_pixels(map("tests", "Triangle tests of a pixel", "viridis"), pixels, &PixelWork::tests),
-          of_tiles(map("energy", "Energy of a pixel in nJ", "turbo"), sum_by_area(tiles, energy), true)};
+  return {tile_heat_map(map("cycles", "Cycles of a tile", "turbo"), sum_by_area(tiles, cycles), false),
+          tile_heat_map(map("srp-cycles", "SRP cycles of a tile", "turbo"), sum_by_area(tiles, srp_cycles), false),
+          pixel_heat_map(map("rays", "Rays of a pixel", "viridis"), pixels, &PixelWork::rays),
+          pixel_heat_map(map("steps", "Traversal steps of a pixel", "viridis"), pixels, &PixelWork::steps),
+          pixel_heat_map(map("tests", "Triangle tests of a pixel", "viridis"), pixels, &PixelWork::tests),
+          tile_heat_map(map("energy", "Energy of a pixel in nJ", "turbo"), sum_by_area(tiles, energy), true)};
 }
 
 DrawnMap draw_heat_map(const HeatMap& map) {

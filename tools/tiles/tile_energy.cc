@@ -300,16 +300,16 @@ class Shared {
         continue;
       }
       const sim::Band each = counted_[w] * (1 / all);
-      for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.tile_weight(tile, w); });
+      for_each_tile([&](std::size_t tile) { energy.tiles[tile] += each * weights_.tile_weight(tile, w); });
       if (!core_) energy.rest += each * weights_.weight_without_tile(w);
     }
     const TileTimeShares present = tile_time_shares(s_.tile_accounts, s_.elapsed, core_);
-    for_tiles([&](std::size_t tile) { energy.tiles[tile] += standing_ * present.tiles[tile]; });
+    for_each_tile([&](std::size_t tile) { energy.tiles[tile] += standing_ * present.tiles[tile]; });
     energy.rest += standing_ * present.rest;
   }
 
  private:
-  void for_tiles(auto&& f) const {
+  void for_each_tile(auto&& f) const {
     for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
       if (!core_ || s_.tile_accounts[tile].core == *core_) f(tile);
     }

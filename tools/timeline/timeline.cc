@@ -162,7 +162,7 @@ class CounterWriter {
     double before = -1;
     for (std::size_t i = 0; i < time_bins_.bin_count(); ++i) {
       const double now = value(i);
-      if (now != before) to_.add_count(to_nanoseconds(time_bins_.bin_begin(i)), track, now);
+      if (now != before) to_.add_counter_value(to_nanoseconds(time_bins_.bin_begin(i)), track, now);
       before = now;
     }
   }
@@ -183,7 +183,7 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
   // Limits the number of values of this counter to that of other counters.
   const std::size_t step = 1 + seen.size() / kMostTimeBins;
   for (std::size_t i = 0; i < seen.size(); i += step)
-    to.add_count(to_nanoseconds(seen[i].first), track, seen[i].second);
+    to.add_counter_value(to_nanoseconds(seen[i].first), track, seen[i].second);
 }
 
 std::vector<double> energy_per_bin(const FrameResult& s, const TileFrame& tiles, const TimeBins& time_bins) {
@@ -221,14 +221,14 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
       return static_cast<double>(memory[i].*lines) * kLineBytes / time_bins.bin_seconds(i) / 1e9;
     };
   };
-  counters.write_values(tracks.shared_counter("DRAM read", "GB/s"), rate(&MemoryBin::lines_read));
-  counters.write_values(tracks.shared_counter("DRAM write", "GB/s"), rate(&MemoryBin::lines_written));
-  counters.write_values(tracks.shared_counter("L2 hits", "%"), [&](std::size_t i) {
+  counters.write_values(tracks.add_shared_counter("DRAM read", "GB/s"), rate(&MemoryBin::lines_read));
+  counters.write_values(tracks.add_shared_counter("DRAM write", "GB/s"), rate(&MemoryBin::lines_written));
+  counters.write_values(tracks.add_shared_counter("L2 hits", "%"), [&](std::size_t i) {
     const std::uint64_t all = memory[i].l2_hits + memory[i].l2_misses;
     return all == 0 ? 0 : 100 * static_cast<double>(memory[i].l2_hits) / static_cast<double>(all);
   });
   const std::vector<double> spent = energy_per_bin(s, tiles, time_bins);
-  counters.write_values(tracks.shared_counter("power", "W"),
+  counters.write_values(tracks.add_shared_counter("power", "W"),
                         [&](std::size_t i) { return spent[i] / time_bins.bin_seconds(i); });
   for (std::uint32_t core = 0; core < config.gpu->cores; ++core) {
     std::vector<double> busy(time_bins.bin_count());
@@ -237,9 +237,9 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
       const auto seconds = static_cast<double>(slice.end - slice.begin) / sim::kFemtosecondsPerSecond;
       time_bins.spread_amount(busy, slice.begin, slice.end, seconds);
     }
-    counters.write_values(tracks.core_counter(core, "SRP busy", "%"),
+    counters.write_values(tracks.add_core_counter(core, "SRP busy", "%"),
                           [&](std::size_t i) { return 100 * busy[i] / time_bins.bin_seconds(i); });
-    write_rays(recorder, core, tracks.core_counter(core, "rays in T&I", "rays"), to);
+    write_rays(recorder, core, tracks.add_core_counter(core, "rays in T&I", "rays"), to);
   }
 }
 
@@ -397,8 +397,8 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   }
   TracePackets head;
   tracks.write_descriptors(head);
-  return {TracePackets::texts_of(packets) + head.bytes() + counters.bytes() + packets.bytes(), shown.size(),
-          wanted - shown.size()};
+  return {TracePackets::interned_strings_packet(packets) + head.bytes() + counters.bytes() + packets.bytes(),
+          shown.size(), wanted - shown.size()};
 }
 
 TimelineJob::TimelineJob(std::string text) : asked_(std::move(text)) {

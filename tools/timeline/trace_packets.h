@@ -141,7 +141,7 @@ class TracePackets {
       event.add_uint64(Event::kTrack, track);
     });
   }
-  void add_count(std::uint64_t time, std::uint64_t track, double value) {
+  void add_counter_value(std::uint64_t time, std::uint64_t track, double value) {
     add_packet([&](Writer& packet) {
       packet.add_uint64(Packet::kTimestamp, time);
       Writer event(packet, Packet::kTrackEvent);
@@ -154,7 +154,7 @@ class TracePackets {
   const std::string& bytes() const { return bytes_; }
   /// Returns the packet with which a trace file must begin. It defines the interned strings to which the packets of
   /// `other` refer.
-  static std::string texts_of(const TracePackets& other) {
+  static std::string interned_strings_packet(const TracePackets& other) {
     std::string bytes;
     Writer trace(bytes);
     Writer packet(trace, perfetto::kTracePacket);
@@ -199,15 +199,15 @@ class TimelineTracks {
     const std::uint64_t parent = process_of(slice.core);
     switch (slice.kind) {
       case RecordedSlice::Kind::kLoop:
-        if (core.srp == 0) core.srp = new_track(parent, "SRP", kOfSrp);
+        if (core.srp == 0) core.srp = create_track(parent, "SRP", kOfSrp);
         return core.srp;
       case RecordedSlice::Kind::kTransfer:
-        if (core.dma == 0) core.dma = new_track(parent, "DMA", kOfDma);
+        if (core.dma == 0) core.dma = create_track(parent, "DMA", kOfDma);
         return core.dma;
       case RecordedSlice::Kind::kTile: {
         if (core.slots.size() <= slice.slot) core.slots.resize(std::size_t{slice.slot} + 1);
         std::uint64_t& slot = core.slots[slice.slot];
-        if (slot == 0) slot = new_track(parent, fmt::format("tile slot {}", slice.slot), kOfTiles + slice.slot);
+        if (slot == 0) slot = create_track(parent, fmt::format("tile slot {}", slice.slot), kOfTiles + slice.slot);
         return slot;
       }
       case RecordedSlice::Kind::kRays:
@@ -216,19 +216,19 @@ class TimelineTracks {
     const auto is_free = [&](const Lane& lane) { return lane.free_at <= slice.begin; };
     auto lane = std::ranges::find_if(core.rays, is_free);
     if (lane == core.rays.end()) {
-      core.rays.push_back({new_track(parent, "T&I rays", kOfRays), 0});
+      core.rays.push_back({create_track(parent, "T&I rays", kOfRays), 0});
       lane = core.rays.end() - 1;
     }
     lane->free_at = slice.end;
     return lane->id;
   }
-  /// Adds a counter to the process shared by all cores and returns the counter's track; core_counter() adds one to the
-  /// process of a core.
-  std::uint64_t shared_counter(const std::string& name, const std::string& unit) {
-    return new_track(shared_process(), name, kOfCounters, unit);
+  /// Adds a counter to the process shared by all cores and returns the counter's track; add_core_counter() adds one to
+  /// the process of a core.
+  std::uint64_t add_shared_counter(const std::string& name, const std::string& unit) {
+    return create_track(shared_process(), name, kOfCounters, unit);
   }
-  std::uint64_t core_counter(std::uint32_t core, const std::string& name, const std::string& unit) {
-    return new_track(process_of(core), name, kOfCounters, unit);
+  std::uint64_t add_core_counter(std::uint32_t core, const std::string& name, const std::string& unit) {
+    return create_track(process_of(core), name, kOfCounters, unit);
   }
   /// Adds the descriptors of all tracks in use to the trace, processes first.
   void write_descriptors(TracePackets& to) const {
@@ -251,7 +251,7 @@ class TimelineTracks {
   };
   std::uint64_t process_of(std::uint32_t core) const { return core + 1; }
   std::uint64_t shared_process() const { return cores_.size() + 1; }
-  std::uint64_t new_track(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit = {}) {
+  std::uint64_t create_track(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit = {}) {
     const std::uint64_t id = shared_process() + tracks_.size() + 1;
     tracks_.push_back({id, parent, std::move(name), rank, std::move(unit)});
     return id;

@@ -111,7 +111,7 @@ class Walk {
   /// Transforms the ray into the space of an instance and returns the root of the instance's tree. Boxes of the root
   /// determine the rounding margin of box tests.
   std::uint32_t enter_instance(std::uint32_t instance) {
-    record_.write_word(enter_step(instance));
+    record_.write_word(instance_step(instance));
     const InstanceRecord& record = image_.instances[instance];
     const NodeRecord& root = image_.nodes[record.root];
     const glm::vec3 lower{std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]),

@@ -29,7 +29,7 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
   try {
     add_file_name_to_errors([&] {
       read_header();
-      read_contents();
+      read_table_of_contents();
     });
   } catch (...) {
     ::close(file_);
@@ -96,7 +96,7 @@ void TraceReader::read_header() {
   header_ = sim::parse_json(read_block(range, kMaxHeaderBytes));
 }
 
-void TraceReader::read_contents() {
+void TraceReader::read_table_of_contents() {
   if (size_ < kTraceMagic.size() + 4 + kFooterBytes) throw sim::InputError("ends early");
   std::string footer;
   read_at({size_ - kFooterBytes, kFooterBytes}, footer);

@@ -84,7 +84,7 @@ class TraceReader {
   std::string read_block(const FileRange& range, std::uint64_t most) const;
   FileRange range_of(const Json& json) const;
   void read_header();
-  void read_contents();
+  void read_table_of_contents();
 
   const std::filesystem::path path_;
   int file_ = -1, version_ = kTraceVersion;

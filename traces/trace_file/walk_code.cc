@@ -105,7 +105,7 @@ class WalkChecker {
           continue;
         }
       } else if (is_instance(link)) {
-        if (word != enter_step(link_instance(link))) return false;
+        if (word != instance_step(link_instance(link))) return false;
         link = roots_[link_instance(link)];
         continue;
       } else if (!leave_leaf(out, link, word)) {
@@ -264,7 +264,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
       }
       window >>= 3;
     } else if (kLevels && is_instance(link)) {
-      *c.out++ = enter_step(link_instance(link));
+      *c.out++ = instance_step(link_instance(link));
       link = links.roots[link_instance(link)];
       continue;
     } else {

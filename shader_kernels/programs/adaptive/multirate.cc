@@ -12,9 +12,9 @@ bool has_secondary_checks(const MultirateConfig& multirate, const SceneTables& s
 /// A distance that no two colours reach: they are at most sqrt(3) apart.
 constexpr double kNotCompared = 2;
 
-BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, bool has_secondary) {
+BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t samples_per_side, bool has_secondary) {
   const bool carries_rates = multirate.rate_control != RateControl::kOff;
-  BlockSetup setup{.grid = grid,
+  BlockSetup setup{.grid = samples_per_side,
                    .block = multirate.block,
                    .whole = carries_rates ? RateMap::kCoarse : multirate.block,
                    .record_bytes = sizeof(GeometryRecord<float>),
@@ -28,12 +28,12 @@ BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, boo
 }  // namespace
 
 MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera,
-                                   const RenderConfig& config, const MultirateConfig& multirate, std::uint32_t grid,
-                                   const RateMap& rates, std::uint32_t frame)
+                                   const RenderConfig& config, const MultirateConfig& multirate,
+                                   std::uint32_t samples_per_side, const RateMap& rates, std::uint32_t frame)
     : FrameProgram(config.width, config.height),
       multirate_(multirate),
       blocks_(image, camera, config, multirate,
-              block_setup(multirate, grid, has_secondary_checks(multirate, {image, config})), frame),
+              block_setup(multirate, samples_per_side, has_secondary_checks(multirate, {image, config})), frame),
       secondary_checks_(blocks_.setup.before_check_y.secondary),
       compares_colours_(multirate.texture < kNotCompared ||
                         (multirate.rate_control != RateControl::kOff && multirate.rate_texture < kNotCompared)),

@@ -11,9 +11,11 @@ namespace kernels {
 /// interpolated colour instead of rays. The program renders one sample per pixel, or four.
 class MultirateProgram final : public FrameProgram {
  public:
-  /// `grid` is the number of samples along the side of a pixel, 1 or 2. `rates` must not change while the program runs.
+  /// `samples_per_side` is the number of samples along the side of a pixel, 1 or 2. `rates` must not change while the
+  /// program runs.
   MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-                   const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
+                   const MultirateConfig& multirate, std::uint32_t samples_per_side, const RateMap& rates,
+                   std::uint32_t frame);
 
   std::uint32_t tiles() const override { return blocks_.tiles.tile_count(); }
   TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }

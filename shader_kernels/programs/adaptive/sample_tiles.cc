@@ -10,10 +10,10 @@ std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all) {
   return static_cast<std::uint32_t>(std::min(records * kLine, all));
 }
 
-SampleTiles::SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side,
+SampleTiles::SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t samples_per_side, std::uint32_t side,
                          std::uint32_t block)
-    : width_(width * grid), height_(height * grid), grid_(grid) {
-  const std::uint32_t whole = std::lcm(grid, block);
+    : width_(width * samples_per_side), height_(height * samples_per_side), grid_(samples_per_side) {
+  const std::uint32_t whole = std::lcm(samples_per_side, block);
   side_ = std::max(whole, side / whole * whole);
   across_ = (width_ + side_ - 1) / side_;
   down_ = (height_ + side_ - 1) / side_;

@@ -31,9 +31,10 @@ struct SampleTile {
 /// Divides the samples of the picture into square tiles of whole pixels and whole blocks.
 class SampleTiles {
  public:
-  /// `side` is the desired side of a tile in samples, `grid` the number of samples along a pixel's side. Tile sides are
-  /// multiples of `block`.
-  SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
+  /// `side` is the desired side of a tile in samples, `samples_per_side` the number of samples along a pixel's side.
+  /// Tile sides are multiples of `block`.
+  SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t samples_per_side, std::uint32_t side,
+              std::uint32_t block);
 
   std::uint32_t tile_count() const { return across_ * down_; }
   std::uint32_t tiles_across() const { return across_; }

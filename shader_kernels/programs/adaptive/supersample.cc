@@ -31,7 +31,7 @@ FrameRequirements SupersampleProgram::requirements() const {
   if (supersample_.propagate != 0) needs.attribute_bytes += dma_waiting_bytes();
   needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tile_pixels() * kPixelBytes,
                         supersample_.propagate == 0 ? tiles_.tile_count() * stored_bytes_per_tile()
-                                                    : fresh_flag_address(tiles_.tile_count(), 1),
+                                                    : newly_active_flag_address(tiles_.tile_count(), 1),
                         0};
   return needs;
 }

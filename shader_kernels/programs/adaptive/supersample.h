@@ -157,7 +157,7 @@ class SupersampleProgram final : public FrameProgram {
   std::uint32_t subpixel_bytes() const;
   static std::uint32_t dma_waiting_bytes();
   std::uint64_t subpixel_data_address(std::uint32_t tile) const;
-  std::uint64_t fresh_flag_address(std::uint32_t tile, std::uint32_t round) const;
+  std::uint64_t newly_active_flag_address(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
   static PropagationSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
   void store_inactive_subpixels(Tile& tile) const;

@@ -82,7 +82,7 @@ std::uint32_t SupersampleProgram::subpixel_bytes() const { return 4 * tile_pixel
 std::uint64_t SupersampleProgram::subpixel_data_address(std::uint32_t tile) const {
   return tiles_.tile_count() * stored_bytes_per_tile() + std::uint64_t{tile} * subpixel_bytes();
 }
-std::uint64_t SupersampleProgram::fresh_flag_address(std::uint32_t tile, std::uint32_t round) const {
+std::uint64_t SupersampleProgram::newly_active_flag_address(std::uint32_t tile, std::uint32_t round) const {
   return subpixel_data_address(tiles_.tile_count()) + std::uint64_t{round % 2} * tiles_.tile_count() + tile;
 }
 
@@ -154,7 +154,7 @@ void SupersampleProgram::write_subpixels(Tile& tile) const {
   const Node out = tile.graph.add_transfer(Region::kSamples, true, subpixel_data_address(tile.at.index),
                                            4 * tile.pixels * kShownBytes);
   tile.graph.wait_for_colour_writers(out);
-  const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_flag_address(tile.at.index, 0), 1);
+  const Node noted = tile.graph.add_transfer(Region::kSamples, true, newly_active_flag_address(tile.at.index, 0), 1);
   tile.graph.wait_for_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
     PropagationSubpixel shown = shown_subpixel(tile, i);
@@ -196,7 +196,7 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   out.work.after_all = tile_index % count == 0;
   Node before = Wavefront::kNone;
   const bool reached = has_newly_active_neighbour(at, [&](std::uint32_t tile, std::uint32_t bytes) {
-    const Node read = graph.add_transfer(Region::kSamples, false, fresh_flag_address(tile, round - 1), bytes);
+    const Node read = graph.add_transfer(Region::kSamples, false, newly_active_flag_address(tile, round - 1), bytes);
     graph.wait_for_all(read, before);
     before = read;
   });
@@ -290,7 +290,7 @@ void SupersampleProgram::write_corrected_pixels(Tile& tile, std::uint32_t pixels
   };
   put(store, scattered_bytes(subpixels, states));
   put(store + states, scattered_bytes(subpixels, colours));
-  put(fresh_flag_address(tile.at.index, round), 1);
+  put(newly_active_flag_address(tile.at.index, round), 1);
 }
 
 /// Loads from memory the colours of those sub-pixels of a pixel that the current propagation round has not sampled.

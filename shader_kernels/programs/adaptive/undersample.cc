@@ -237,10 +237,10 @@ constexpr std::uint32_t kScanned = 0;  // number of the border with all identity
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
-/// Returns how many pixels the samples belong to, with grid x grid samples in a pixel.
-std::uint32_t count_pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
+/// Returns how many pixels the samples belong to, with `samples_per_side` squared samples per pixel.
+std::uint32_t count_pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t samples_per_side) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
-  for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
+  for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / samples_per_side, s.y / samples_per_side);
   return static_cast<std::uint32_t>(pixels.size());
 }
 

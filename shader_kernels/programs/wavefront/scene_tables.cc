@@ -31,8 +31,8 @@ CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_
           to_vec3(right * pixel), to_vec3(-up * pixel)};
 }
 
-ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid) {
-  return {camera.origin, sqrt(dot(camera.down, camera.down)) / static_cast<float>(grid)};
+ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t samples_per_side) {
+  return {camera.origin, sqrt(dot(camera.down, camera.down)) / static_cast<float>(samples_per_side)};
 }
 
 EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,

@@ -16,7 +16,7 @@ namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
 /// Returns the ray cones for grid x grid samples per pixel. A cone is as wide as a sample in the middle of the picture.
-ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
+ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t samples_per_side);
 /// Returns the eye position and viewing direction of a picture, with `depth_scale` units of depth per unit of length.
 EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
                                 float depth_scale);

@@ -57,15 +57,15 @@ void TileBuffer::reserve_layers(std::size_t slots) {
   rays.layer.reserve_slots(slots + 1);
 }
 
-void TileBuffer::reserve_samples(std::size_t count) {
-  grow_to(samples.colours, count);
-  grow_to(samples.geometry, count);
-  grow_to(samples.secondary, count);
-  grow_to(samples.kept, count);
-  grow_to(samples.globals, count);
-  grow_to(checks.verdicts, count);
-  grow_to(checks.identities, count);
-  for (SampleQueue* queue : {&checks.samples, &checks.passed, &checks.failed}) grow_to(*queue, count);
+void TileBuffer::reserve_samples(std::size_t sample_count) {
+  grow_to(samples.colours, sample_count);
+  grow_to(samples.geometry, sample_count);
+  grow_to(samples.secondary, sample_count);
+  grow_to(samples.kept, sample_count);
+  grow_to(samples.globals, sample_count);
+  grow_to(checks.verdicts, sample_count);
+  grow_to(checks.identities, sample_count);
+  for (SampleQueue* queue : {&checks.samples, &checks.passed, &checks.failed}) grow_to(*queue, sample_count);
 }
 
 void TileBuffer::reserve_subpixels(std::size_t centres, std::size_t pixels) {
@@ -83,18 +83,18 @@ void TileBuffer::reserve_subpixels(std::size_t centres, std::size_t pixels) {
   grow_to(s.states, 12 * pixels + 4);  // includes one more line of sub-pixels on each side, for tiles of any shape
 }
 
-void TileBuffer::reserve_visible(std::size_t count, std::size_t pixels) {
-  grow_to(filters.visible, count);
-  grow_to(samples.colours, count);
+void TileBuffer::reserve_visible(std::size_t record_count, std::size_t pixels) {
+  grow_to(filters.visible, record_count);
+  grow_to(samples.colours, record_count);
   grow_to(subpixels.masters, pixels);
 }
 
-void TileBuffer::reserve_low_rate(std::size_t count, std::size_t light_count) {
-  grow_to(filters.visible, count);
-  grow_to(samples.colours, count);
-  grow_to(checks.passed, count);
-  grow_to(filters.lights, count * light_count);
-  grow_to(filters.ratios, count * light_count);
+void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_count) {
+  grow_to(filters.visible, sample_count);
+  grow_to(samples.colours, sample_count);
+  grow_to(checks.passed, sample_count);
+  grow_to(filters.lights, sample_count * light_count);
+  grow_to(filters.ratios, sample_count * light_count);
 }
 
 }  // namespace kernels

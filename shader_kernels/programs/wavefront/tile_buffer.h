@@ -125,15 +125,16 @@ struct TileBuffer {
   void reserve_wave(std::size_t slots);
   void reserve_details(std::size_t slots);
   void reserve_layers(std::size_t slots);
-  void reserve_samples(std::size_t count);
+  void reserve_samples(std::size_t sample_count);
   /// Grows the arrays of the program supersample. `centres`: centre samples of a tile and its halo; `pixels`: pixels of
   /// a tile.
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
-  /// Grows the arrays of the program reconstruct. `count`: records of samples in all layers of light; `pixels`: maximum
-  /// length of its lists of pixels.
-  void reserve_visible(std::size_t count, std::size_t pixels);
-  /// Grows the arrays for effects that are traced at only some pixels, to `count` samples and `light_count` lights.
-  void reserve_low_rate(std::size_t count, std::size_t light_count);
+  /// Grows the arrays of the program reconstruct. `record_count`: records of samples in all layers of light; `pixels`:
+  /// maximum length of its lists of pixels.
+  void reserve_visible(std::size_t record_count, std::size_t pixels);
+  /// Grows the arrays for effects that are traced at only some pixels, to `sample_count` samples and `light_count`
+  /// lights.
+  void reserve_low_rate(std::size_t sample_count, std::size_t light_count);
 };
 
 }  // namespace kernels

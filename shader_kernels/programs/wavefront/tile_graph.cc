@@ -54,10 +54,10 @@ StreamBuilder::Node StreamBuilder::add_launch(traces::KernelId kernel, std::uint
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
-                                            bool is_mapped) {
+StreamBuilder::Node StreamBuilder::add_rays(traces::RayKind kind, std::uint32_t ray_count, std::uint32_t first,
+                                            Node launch, bool is_mapped) {
   if (!is_enabled()) return kNone;
-  WorkNode& node = add_node(WorkNode::Kind::kRays, count);
+  WorkNode& node = add_node(WorkNode::Kind::kRays, ray_count);
   node.ray_kind = kind;
   node.first = first;
   if (is_mapped) node.sources = launch_sources_;
@@ -75,9 +75,9 @@ StreamBuilder::Node StreamBuilder::add_transfer(traces::Region region, bool to_m
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::add_rasterisation(std::uint32_t count, Node launch) {
+StreamBuilder::Node StreamBuilder::add_rasterisation(std::uint32_t samples, Node launch) {
   if (!is_enabled()) return kNone;
-  WorkNode& node = add_node(WorkNode::Kind::kRaster, count);
+  WorkNode& node = add_node(WorkNode::Kind::kRaster, samples);
   node.raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
   node.inputs.push_back({launch, Edge::Kind::kEach});
   return count_ - 1;

@@ -33,11 +33,11 @@ class StreamBuilder {
   void add_ray_source(std::uint32_t item) { work_.sources.push_back(item); }
   /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per call of add_ray_source()
   /// since the launch.
-  Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
+  Node add_rays(traces::RayKind kind, std::uint32_t ray_count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. The last entry of TileWork::raster
+  /// Adds a node that rasterises `samples` samples, whose rays `launch` generated. The last entry of TileWork::raster
   /// describes the rasterisation.
-  Node add_rasterisation(std::uint32_t count, Node launch);
+  Node add_rasterisation(std::uint32_t samples, Node launch);
   /// Adds a node that bins triangles to screen regions. The last entry of TileWork::raster describes the binning.
   Node add_binning(std::uint32_t triangles);
   /// Adds a transfer of samples to memory, which completes border `number` of the tile.

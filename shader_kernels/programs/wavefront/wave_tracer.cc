@@ -29,40 +29,40 @@ WaveTracer::WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, T
   out.background.clear();
 }
 
-TracedBatch WaveTracer::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+TracedBatch WaveTracer::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t ray_count, Node maker,
                               bool is_mapped) {
-  TracedBatch batch{trace_rays_once(kind, slots, first, count, maker, is_mapped)};
+  TracedBatch batch{trace_rays_once(kind, slots, first, ray_count, maker, is_mapped)};
   if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
-    batch.settled = continue_through_layers(kind, slots, first, count, batch.rays);
+    batch.settled = continue_through_layers(kind, slots, first, ray_count, batch.rays);
   }
   return batch;
 }
 
-TracedBatch WaveTracer::find_primary_hits(std::uint32_t count, Node maker) {
+TracedBatch WaveTracer::find_primary_hits(std::uint32_t ray_count, Node maker) {
   RaySlots& wave = buffer_.rays.wave;
-  if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, count, maker, false);
+  if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, ray_count, maker, false);
   // The tracer finds the hits in both cases. The recorded work is that of the rasteriser.
-  tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
+  tracer_.trace({wave.rays.data(), ray_count}, RayKind::kPrimary, {wave.hits.data(), ray_count}, nullptr);
   TracedBatch batch;
   if (graph_.is_recording()) {
-    out_.rasteriser->rasterise_samples({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
-    batch.rays = graph_.stream_builder().add_rasterisation(count, maker);
+    out_.rasteriser->rasterise_samples({wave.rays.data(), ray_count}, buffer_.scratch.coverage, &out_.work);
+    batch.rays = graph_.stream_builder().add_rasterisation(ray_count, maker);
   }
-  if (scene_.has_alpha) batch.settled = continue_through_layers(RayKind::kPrimary, wave, 0, count, batch.rays);
+  if (scene_.has_alpha) batch.settled = continue_through_layers(RayKind::kPrimary, wave, 0, ray_count, batch.rays);
   return batch;
 }
 
-WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
-                                             Node maker, bool is_mapped) {
+WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std::uint32_t first,
+                                             std::uint32_t ray_count, Node maker, bool is_mapped) {
   const std::size_t first_ray = out_.work.ray_begin.size();
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
-  tracer_.trace(std::span(slots.rays).subspan(first, count), kind, std::span(slots.hits).subspan(first, count),
+  tracer_.trace(std::span(slots.rays).subspan(first, ray_count), kind, std::span(slots.hits).subspan(first, ray_count),
                 graph_.is_recording() ? &sink : nullptr);
   if (graph_.is_muted()) return TileGraph::kNone;
-  count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, count));
-  const Node node = graph_.stream_builder().add_rays(kind, count, rays_traced_, maker, is_mapped);
-  rays_traced_ += count;
-  out_.rays[static_cast<std::size_t>(kind)] += count;
+  count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, ray_count));
+  const Node node = graph_.stream_builder().add_rays(kind, ray_count, rays_traced_, maker, is_mapped);
+  rays_traced_ += ray_count;
+  out_.rays[static_cast<std::size_t>(kind)] += ray_count;
   return node;
 }
 
@@ -107,20 +107,21 @@ void WaveTracer::finish() {
 /// Continues rays whose hit is a hole or lets light pass. New rays are made from the original ray and hit, and their
 /// hits replace the original ones. Returns the last launch that wrote hits, or kNone if nothing was tested.
 WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slots, std::uint32_t first,
-                                                     std::uint32_t count, Node batch) {
+                                                     std::uint32_t ray_count, Node batch) {
   const std::uint32_t solid = kind == RayKind::kShadow ? scene_.solid_shadow : kSolidNearest;
-  buffer_.reserve_layers(count);
+  buffer_.reserve_layers(ray_count);
   ClassifyLayers::Ports<float> classify;
   classify.hits.bind(slots.hits.data() + first);
   classify.solid = solid;
-  Node before = graph_.launch<ClassifyLayers>(classify, count);
+  Node before = graph_.launch<ClassifyLayers>(classify, ray_count);
   graph_.wait_item_by_item(before, batch);
   std::uint32_t items = classify.layer_count.value;
   Node settled = TileGraph::kNone;
   for (std::uint32_t layer = 0; items != 0 && layer < scene_.layers; ++layer) {
     const auto test = [&]<bool kInstanced>(std::bool_constant<kInstanced>) {
-      return scene_.image.vertices.empty() ? test_layers<false, kInstanced>(kind, slots, first, items, count, settled)
-                                           : test_layers<true, kInstanced>(kind, slots, first, items, count, settled);
+      return scene_.image.vertices.empty()
+                 ? test_layers<false, kInstanced>(kind, slots, first, items, ray_count, settled)
+                 : test_layers<true, kInstanced>(kind, slots, first, items, ray_count, settled);
     };
     const std::uint32_t rays = scene_.image.has_two_levels() ? test(std::true_type{}) : test(std::false_type{});
     graph_.wait_for_all(settled, before);
@@ -135,7 +136,7 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
     ScatterLayers::Ports<float> scatter;
     scatter.hits.bind(slots.hits.data() + first);
     scatter.solid = solid;
-    settled = before = graph_.launch<ScatterLayers>(scatter, rays, count);
+    settled = before = graph_.launch<ScatterLayers>(scatter, rays, ray_count);
     graph_.wait_item_by_item(settled, onwards);
     graph_.wait_for_all(settled, batch);
     items = scatter.layer_count.value;

@@ -24,13 +24,13 @@ class WaveTracer {
 
   WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out);
 
-  /// Traces the rays in `count` slots from `first`, which launch `maker` emitted. `is_mapped`: only some items of that
-  /// launch emitted rays.
-  TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+  /// Traces the rays in `ray_count` slots from `first`, which launch `maker` emitted. `is_mapped`: only some items of
+  /// that launch emitted rays.
+  TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t ray_count, Node maker,
                     bool is_mapped);
   /// Finds the hits of a wave's primary rays, which launch `maker` generated. If the frame has a rasteriser,
   /// rasterisation is recorded instead of rays.
-  TracedBatch find_primary_hits(std::uint32_t count, Node maker);
+  TracedBatch find_primary_hits(std::uint32_t ray_count, Node maker);
 
   /// True if the work of each pixel's rays is counted. Programs must then call assign_sample_to_pixel().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
@@ -44,10 +44,10 @@ class WaveTracer {
   void finish();
 
  private:
-  Node trace_rays_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+  Node trace_rays_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t ray_count, Node maker,
                        bool is_mapped);
   void count_traversal_steps(std::size_t first_ray, std::span<const PathRecord<float>> paths);
-  Node continue_through_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
+  Node continue_through_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t ray_count,
                                Node batch);
   template <bool kColoured, bool kInstanced>
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,

@@ -15,7 +15,7 @@ using test::TniHarness;
 using test::trv;
 using test::Walk;
 using traces::end_step;
-using traces::enter_step;
+using traces::instance_step;
 using traces::visit_step;
 
 constexpr std::uint64_t kTransform = 14;
@@ -31,10 +31,10 @@ TniHarness::Setup two_instances() {
   return s;
 }
 
-const Walk kIn = {visit_step(0, 1, 0), enter_step(0), visit_step(3, 0, 0), end_step(false)};
+const Walk kIn = {visit_step(0, 1, 0), instance_step(0), visit_step(3, 0, 0), end_step(false)};
 /// Returns a traversal that enters instance 0, pops the stack entry of node 0, and enters instance 1.
-const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),       visit_step(3, 0, 0),
-                    visit_step(2, 1, 0), enter_step(1),       visit_step(3, 0, 0), end_step(false)};
+const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), instance_step(0),    visit_step(3, 0, 0),
+                    visit_step(2, 1, 0), instance_step(1),    visit_step(3, 0, 0), end_step(false)};
 
 TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisits) {
   EXPECT_EQ(alone(two_instances(), kIn), 2 * kVisit + kTransform);
@@ -66,7 +66,7 @@ TEST(Instances, OneOperationPerCycleEntersTheBoxPipe) {
 
 /// Returns a traversal that pushes at nodes 0 and 1 (over instances) and at 3 and 4 (in instance 0). All entries are
 /// popped again.
-const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),       visit_step(3, 3, 0),
+const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), instance_step(0),    visit_step(3, 3, 0),
                     visit_step(4, 3, 0), visit_step(5, 0, 0), visit_step(5, 0, 0), visit_step(5, 0, 0),
                     visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
 
@@ -86,7 +86,7 @@ TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
 }
 
 TEST(Instances, ARestartFromALinkWithinTheInstanceStaysThere) {
-  const Walk inside = {visit_step(0, 1, 0), visit_step(1, 1, 0), enter_step(0),
+  const Walk inside = {visit_step(0, 1, 0), visit_step(1, 1, 0), instance_step(0),
                        visit_step(3, 3, 0), visit_step(4, 3, 0), visit_step(5, 0, 0),
                        visit_step(5, 0, 0), visit_step(5, 0, 0), end_step(false)};
   TniHarness::Setup setup = two_instances();

@@ -92,7 +92,7 @@ struct RandomLoad {
         at.node = hits == 2 ? 2 * at.node + 2 : 2 * at.node + 1;
       } else if (!inside && !placed.empty()) {
         at = {0, at.node + kInstances - kTop};
-        out.push_back(traces::enter_step(at.instance));
+        out.push_back(traces::instance_step(at.instance));
       } else {
         const auto count = static_cast<std::uint32_t>(1 + h % 4);
         out.push_back(traces::leaf_step(at.node * 4, count));

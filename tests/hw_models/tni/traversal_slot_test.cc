@@ -12,7 +12,7 @@ namespace {
 
 using traces::cull_step;
 using traces::end_step;
-using traces::enter_step;
+using traces::instance_step;
 using traces::leaf_step;
 using traces::visit_step;
 using Walk = std::vector<std::uint32_t>;
@@ -110,7 +110,7 @@ TEST(TraversalSlot, CountsNoPushesWithoutAStack) {
 }
 
 TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
-  const Walk walk = padded({visit_step(0, 1, 0), enter_step(4), visit_step(9, 0, 0), end_step(false)});
+  const Walk walk = padded({visit_step(0, 1, 0), instance_step(4), visit_step(9, 0, 0), end_step(false)});
   TraversalSlot slot(walk.data(), 0);
   StackStats stats;
   slot.advance_to_next_step(kFullStack, true, stats);

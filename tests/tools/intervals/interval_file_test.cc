@@ -72,7 +72,7 @@ TEST(IntervalFile, IsReadAsItWasWritten) {
     EXPECT_EQ(frame.end, written[f].end());
     for (std::size_t i = 0; i < frame.rows; ++i) {
       EXPECT_TRUE(std::ranges::equal(frame.row(i), written[f].row(i))) << i;
-      EXPECT_EQ(frame.end_of(i), written[f].interval_end(i));
+      EXPECT_EQ(frame.interval_end(i), written[f].interval_end(i));
     }
   }
 }
@@ -88,7 +88,7 @@ TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(std::ranges::equal(six.row(i), frame.row(2 * i + 1))) << i;
   for (const IntervalFrame* merged : {&six, &three, &one}) {
     EXPECT_TRUE(std::ranges::equal(merged->row(merged->rows - 1), frame.row(10)));
-    EXPECT_EQ(merged->end_of(merged->rows - 1), frame.end);
+    EXPECT_EQ(merged->interval_end(merged->rows - 1), frame.end);
   }
   EXPECT_EQ(frame.with_merged_intervals(11).rows, 11U);
 }

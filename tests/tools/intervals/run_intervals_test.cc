@@ -37,7 +37,7 @@ void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_
   sim::EnergyFormula energy(run.units(), run.config().energy, device, 0, tools::power_scales(run.config()));
   std::vector<sim::UnitReport> until(run.units().begin(), run.units().end());
   RunIntervals::set_cumulative_values(frame, frame.rows - 1, until);
-  energy.set_counts(until, frame.end_of(frame.rows - 1));
+  energy.set_counts(until, frame.interval_end(frame.rows - 1));
   for (const auto& [name, side] : sides) {
     const std::vector<double> blocks = energy.block_energies(side);
     ASSERT_EQ(blocks.size(), frame_report["energy_by_block_mj"].size());

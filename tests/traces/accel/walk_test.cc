@@ -49,7 +49,7 @@ class Replay {
     return image_.nodes[node].child[near];
   }
   std::uint32_t enter(std::uint32_t instance) {
-    EXPECT_EQ(*word_++, enter_step(instance));
+    EXPECT_EQ(*word_++, instance_step(instance));
     return image_.instances[instance].root;
   }
   bool leaf(std::uint32_t link, bool any_hit) {

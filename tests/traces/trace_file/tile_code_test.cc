@@ -110,9 +110,9 @@ TEST(TileCode, EnteredInstancesMustExist) {
     return std::string("no error");
   };
   const std::string none = "a ray's walk is none on this tree";
-  EXPECT_EQ(changed(1, enter_step(2)), "no error");
-  EXPECT_EQ(changed(1, enter_step(0)), none) << "not the one below this node";
-  EXPECT_EQ(changed(1, enter_step(4)), none) << "there is none";
+  EXPECT_EQ(changed(1, instance_step(2)), "no error");
+  EXPECT_EQ(changed(1, instance_step(0)), none) << "not the one below this node";
+  EXPECT_EQ(changed(1, instance_step(4)), none) << "there is none";
   EXPECT_EQ(changed(1, visit_step(2, 2, 0)), none) << "without entering";
   EXPECT_EQ(changed(2, visit_step(4, 2, 0)), none) << "another tree's root";
   EXPECT_EQ(changed(10, visit_step(4, 3, 0)), none) << "a child that is not there";

@@ -117,12 +117,12 @@ inline TileWork tile_of_levels() {
     t.ray_begin.push_back(static_cast<std::uint32_t>(t.walk.size()));
     t.walk.insert(t.walk.end(), words);
   };
-  ray({visit_step(0, 3, 0), enter_step(2), visit_step(2, 2, 0), visit_step(3, 3, 1), leaf_step(3, 1), 0x2,
-       leaf_step(1, 2), 0x31, visit_step(1, 2, 0), enter_step(1), visit_step(4, 1, 0), leaf_step(4, 2), 0x12,
+  ray({visit_step(0, 3, 0), instance_step(2), visit_step(2, 2, 0), visit_step(3, 3, 1), leaf_step(3, 1), 0x2,
+       leaf_step(1, 2), 0x31, visit_step(1, 2, 0), instance_step(1), visit_step(4, 1, 0), leaf_step(4, 2), 0x12,
        end_step(true)});
-  ray({visit_step(0, 3, 1), visit_step(1, 3, 0), enter_step(0), visit_step(2, 3, 0), leaf_step(0, 1), 0x3, cull_step(2),
-       enter_step(2), visit_step(2, 0, 0), end_step(true)});
-  ray({visit_step(0, 1, 0), enter_step(2), visit_step(2, 0, 0), end_step(false)});
+  ray({visit_step(0, 3, 1), visit_step(1, 3, 0), instance_step(0), visit_step(2, 3, 0), leaf_step(0, 1), 0x3,
+       cull_step(2), instance_step(2), visit_step(2, 0, 0), end_step(true)});
+  ray({visit_step(0, 1, 0), instance_step(2), visit_step(2, 0, 0), end_step(false)});
   return t;
 }
 

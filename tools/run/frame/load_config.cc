@@ -117,7 +117,7 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
     config.render.width = r.width;
     config.render.height = r.height;
   }
-  set_hit_cycles(config);
+  set_automatic_cache_hit_cycles(config);
   sim::check_tree(tree, origin);
   check_energy_figures(config, origin);
   check_power(config);
@@ -266,7 +266,7 @@ void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {
 }
 
 void check_run_config(RunConfig& config, const std::string& origin) {
-  set_hit_cycles(config);
+  set_automatic_cache_hit_cycles(config);
   sim::check_tree(sim::config_tree(config), origin);
   check_energy_figures(config, origin);
   check_power(config);
@@ -322,7 +322,7 @@ void check_names(const sim::EnergyTable& table) {
 
 }  // namespace
 
-void set_hit_cycles(RunConfig& config) {
+void set_automatic_cache_hit_cycles(RunConfig& config) {
   constexpr double kHzPerNanosecond = 1e9;
   const sim::EnergyTable table(config.latency.arrays, "latency.arrays");
   check_names(table);

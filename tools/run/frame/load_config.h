@@ -47,7 +47,7 @@ struct LatencyConfig {
 
 /// Computes hit_cycles of caches that have `auto`, from the cache's size and clock. Throws InputError if the table has
 /// no curve.
-void set_hit_cycles(RunConfig& config);
+void set_automatic_cache_hit_cycles(RunConfig& config);
 
 /// True if at least one cache has hit_cycles `auto`.
 bool uses_latency_table(const RunConfig& config);

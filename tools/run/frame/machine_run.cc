@@ -82,7 +82,7 @@ class VariantRuns {
 
  private:
   void simulate_variant(std::size_t i) {
-    InMemoryTraceProgram program(work_, requirements_, [&] { tile_done(); });
+    InMemoryTraceProgram program(work_, requirements_, [&] { note_finished_tile(); });
     const NoTracer no_tracer;
     FrontEnd tiles(program, no_tracer, 0);
     const RunConfig& config = plays_[i].config;
@@ -100,7 +100,7 @@ class VariantRuns {
   void begin_part() {
     if (progress_ != nullptr) progress_->begin_part(what_, inputs_.frame, work_.tiles());
   }
-  void tile_done() {
+  void note_finished_tile() {
     const std::lock_guard lock(mutex_);
     tiles_done_ += 1;
     if (progress_ != nullptr) progress_->set_tiles_done(tiles_done_, 0, 0);

@@ -46,7 +46,7 @@ void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirem
 }
 
 /// Returns the render settings of a frame, or of its reference.
-kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
+kernels::RenderConfig render_settings_of(const Inputs& inputs, bool is_reference) {
   return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
 }
 
@@ -55,7 +55,7 @@ struct PreparedProgram {
   PreparedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),
         frame(kernels::make_program(
-            spec, {inputs.image, inputs.camera, render_of(inputs, extras.reference), inputs.config.programs,
+            spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), inputs.config.programs,
                    extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
     if (extras.marks) frame->enable_marks();
   }
@@ -72,7 +72,7 @@ void warm_start(hw::Gpu& gpu, kernels::FrameProgram& previous, const traces::Tra
   warm_with_last_tiles(gpu, previous, tracer, host_threads(threads) - 1);
 }
 
-float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+float scene_size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
   if (workload.first_frame != 0) traces::pose_workload(scene, workload, 0);
   const traces::Bounds bounds = traces::world_bounds(scene);
   if (workload.first_frame != 0) traces::pose_workload(scene, workload, workload.first_frame);
@@ -127,7 +127,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   const sim::HostClock::time_point begin = sim::HostClock::now();
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
-  in.scene_size = size_in_frame_0(scene, in.config.scene);
+  in.scene_size = scene_size_in_frame_0(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
   in.scene.name = sim::with_escaped_bytes(in.scene.name);
@@ -216,7 +216,7 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
     own.previous = previous.emplace(inputs, program, extras).frame.get();
   }
   FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, own);
-  if (extras.rates != nullptr && !s.is_part()) extras.rates->update_rates(s.rendered.sampling);
+  if (extras.rates != nullptr && !s.is_partial()) extras.rates->update_rates(s.rendered.sampling);
   return s;
 }
 
@@ -264,7 +264,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = tiles.finished_tiles();
-  if (!kept || s.is_part()) return s;
+  if (!kept || s.is_partial()) return s;
   try {
     if (sustains) {
       s.sustained = simulate_clocks(inputs, requirements, *kept, s, start, host_threads(threads), extras.progress);

@@ -129,7 +129,7 @@ struct FrameResult {
   std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
   hw::TileAccount rest;                             ///< activity that no tile requested, if costs are itemised
   std::uint64_t rays() const;
-  bool is_part() const { return finished_tiles < tiles; }
+  bool is_partial() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture remains that of the first frame.
   void add(const FrameResult& frame);
 };

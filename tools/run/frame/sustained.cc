@@ -77,7 +77,7 @@ class Device {
       spend(rest, {idle, setup_.idle_memory_w}, network_.decay_over(rest), false);
     }
     if (const double since = result_.seconds - last_decision_; has_reached(since, setup_.thermal.period)) {
-      result_.changes += governor_.decide(now_, since) ? 1 : 0;
+      result_.changes += governor_.choose_next_clock(now_, since) ? 1 : 0;
       last_decision_ = result_.seconds;
     }
     const double loop_end = setup_.loop * static_cast<double>(result_.loops.size() + 1);

@@ -22,7 +22,7 @@ class ThermalGovernor {
   std::size_t step() const { return step_; }
 
   /// Chooses the next clock from the temperatures `seconds` after the last decision. Returns true if the clock changes.
-  bool decide(const sim::Temperatures& now, double seconds) {
+  bool choose_next_clock(const sim::Temperatures& now, double seconds) {
     const double body = now.body + (now.body - before_.body) * config_.lookahead / seconds;
     const bool slower = (now.die > config_.die_limit && now.die >= before_.die) || body > config_.body_limit;
     const double margin = config_.hysteresis;

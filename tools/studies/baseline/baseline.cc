@@ -23,7 +23,7 @@ namespace tools {
 namespace {
 
 /// Returns the first changed value of a run whose path begins with `path`, or null.
-const Moved* find_moved(const RunCheck& run, std::string_view path) {
+const Moved* find_changed_value(const RunCheck& run, std::string_view path) {
   const auto found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(path); });
   return found == run.moved.end() ? nullptr : &*found;
 }
@@ -67,7 +67,7 @@ std::string located_text(const RunCheck& run) {
 }
 
 /// Returns one line with the first changed configuration key and the number of other changed keys.
-std::string first_changed(const std::vector<KeyPair>& keys) {
+std::string first_changed_key_text(const std::vector<KeyPair>& keys) {
   const std::string line = changed_keys_text(std::vector{keys.front()});
   return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
                      keys.size() > 1 ? fmt::format(", and {} more keys", keys.size() - 1) : "");
@@ -78,7 +78,7 @@ std::string run_details(const RunCheck& run) {
   if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
   std::string out = fmt::format("\n{}\n", run.name);
   for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
-  if (!run.keys.changed.empty()) out += "  " + first_changed(run.keys.changed);
+  if (!run.keys.changed.empty()) out += "  " + first_changed_key_text(run.keys.changed);
   std::size_t shown = 0;
   const auto show = [&](bool of_units, std::string_view prefix) {
     for (const Moved& moved : run.moved) {
@@ -91,7 +91,7 @@ std::string run_details(const RunCheck& run) {
   show(false, "");
   const std::size_t figures = std::exchange(shown, 0);
   const std::string own = run.can_report_changed_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
-  show(true, find_moved(run, own) != nullptr ? own : "units.");
+  show(true, find_changed_value(run, own) != nullptr ? own : "units.");
   if (figures + shown < run.moved.size()) {
     out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
   }
@@ -126,7 +126,7 @@ std::string check_line(const RunCheck& run) {
   if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
   if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
   if (run.moved.empty()) return fmt::format("ok       {}", run.name);
-  const Moved* cycles = find_moved(run, "totals.cycles");
+  const Moved* cycles = find_changed_value(run, "totals.cycles");
   const Moved& shown = cycles != nullptr ? *cycles : value_to_print(run);
   return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
                      moved_text(shown));
@@ -234,7 +234,7 @@ void print_check_line(const RunCheck& run) {
 
 bool has_failed(const RunCheck& run) { return !run.error.empty(); }
 bool is_refused(const RunCheck& run) { return !run.refused.empty(); }
-bool has_moved(const RunCheck& run) { return !has_failed(run) && !is_refused(run) && !run.moved.empty(); }
+bool has_changed_value(const RunCheck& run) { return !has_failed(run) && !is_refused(run) && !run.moved.empty(); }
 
 /// Returns names of runs that have stored values but are no longer in the suite.
 std::vector<std::string> removed_runs(const Suite& suite, const Baseline& stored) {
@@ -310,7 +310,7 @@ int check_baseline(const BaselineOptions& options) {
   print_to_terminal(check_details(checked));
   if (!options.junit.empty()) write_junit(options.junit, suite, checked);
   const std::size_t refused = checked.count_if(is_refused), failed = checked.count_if(has_failed),
-                    moved = checked.count_if(has_moved);
+                    moved = checked.count_if(has_changed_value);
   if (moved + failed != 0) {
     print_to_terminal(fmt::format("\n{} of {} runs moved{}\n", moved, checked.runs.size(),
                                   failed != 0 ? fmt::format(", {} failed", failed) : ""));

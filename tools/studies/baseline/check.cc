@@ -362,8 +362,8 @@ Moved compare_replicates(const std::string& path, const StoredRun& stored, const
   return {path, stored.values.at(path), now.mean, d.half_width()};
 }
 
-void find_moved(const StoredRun& stored, const std::vector<KeptPaths::Chosen>& chosen, const Measured& now,
-                RunCheck& run) {
+void find_changed_value(const StoredRun& stored, const std::vector<KeptPaths::Chosen>& chosen, const Measured& now,
+                        RunCheck& run) {
   std::set<std::string> known;
   for (const KeptPaths::Chosen& c : chosen) {
     known.insert(c.path);
@@ -419,7 +419,7 @@ SuiteCheck check_suite(const Suite& suite, const Baseline* stored, std::uint32_t
         run.refused.emplace_back("it has no stored values");
       } else if (stored != nullptr) {
         run.refused = find_refusals(was->second.facts, stored->embree, measured.facts, run.keys);
-        find_moved(was->second, chosen, measured, run);
+        find_changed_value(was->second, chosen, measured, run);
         if (run.refused.empty() && !run.moved.empty())
           run.located = locate_in_run(run.keys, was->second.values, measured.all);
       }
@@ -585,7 +585,7 @@ struct Traffic {
   }
 };
 
-Traffic between_l1_and_l2(const Values& values) {
+Traffic traffic_between_l1_and_l2(const Values& values) {
   using Trv = hw::Trv::Stats;
   using Ist = hw::Ist::Stats;
   using Srp = hw::Srp::Stats;
@@ -598,7 +598,7 @@ Traffic between_l1_and_l2(const Values& values) {
                           time_of<hw::Srp>(values, &Srp::cache_miss_cycles),
           .service_time = time_of<hw::L2Bank>(values, &L2::latency)};
 }
-Traffic between_l2_and_memory(const Values& values) {
+Traffic traffic_between_l2_and_memory(const Values& values) {
   using L2 = hw::L2Bank::Stats;
   using Dram = hw::DramChannel::Stats;
   return {.requested = sum_of<hw::L2Bank>(values, &L2::fills),
@@ -621,8 +621,8 @@ std::vector<TrafficPath> timed_memory_paths(const Values& was, const Values& is)
     const std::optional<double> before = traffic(was).time_between(), after = traffic(is).time_between();
     if (before && after) out.push_back({name, *before, *after});
   };
-  add("interconnect between first-level caches and L2", between_l1_and_l2);
-  add("path between L2 and memory", between_l2_and_memory);
+  add("interconnect between first-level caches and L2", traffic_between_l1_and_l2);
+  add("path between L2 and memory", traffic_between_l2_and_memory);
   return out;
 }
 

@@ -38,7 +38,7 @@ void check_domains(const std::vector<std::string>& names) {
   }
 }
 
-DvfsPoint point_of(double factor, const RunConfig& config, const FrameResult& s) {
+DvfsPoint dvfs_point_of(double factor, const RunConfig& config, const FrameResult& s) {
   DvfsPoint point{
       .factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / sim::kPicojoulesPerMillijoule)};
   for (const ClockDomain& domain : clock_domains()) {
@@ -94,7 +94,7 @@ class ClockScan {
     }
     const std::vector<FrameResult> runs = frame_.simulate(configs);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
+      curve.points.push_back(dvfs_point_of(factors[i], configs[i], runs[i]));
       add_warnings(curve.warnings, technology_table_warnings(configs[i], runs[i].units));
     }
     std::ranges::sort(curve.points, {}, &DvfsPoint::factor);
@@ -157,7 +157,7 @@ namespace {
 
 using sim::Json;
 
-std::string marks_of(const DvfsCurve& curve, std::size_t i) {
+std::string remarks_on_point(const DvfsCurve& curve, std::size_t i) {
   std::string marks;
   const auto mark = [&](bool is, const char* name) {
     if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
@@ -183,7 +183,8 @@ std::string dvfs_text(const DvfsCurve& curve) {
     table.add_row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digit_text(p.ms),
                    sim::four_digit_text(p.frames_per_second()), sim::four_digit_text(p.power_w()),
                    sim::four_digit_text(p.mj.nominal), sim::four_digit_text(1000 / p.mj.nominal),
-                   p.period_mj < 0 ? std::string("too slow") : sim::four_digit_text(p.period_mj), marks_of(curve, i)});
+                   p.period_mj < 0 ? std::string("too slow") : sim::four_digit_text(p.period_mj),
+                   remarks_on_point(curve, i)});
   }
   const bool is_met = curve.points[curve.least_a_period].period_mj >= 0;
   return fmt::format(

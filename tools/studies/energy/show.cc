@@ -173,8 +173,8 @@ class Users {
 
   const std::vector<sim::UnitReport>& all_units() const { return units_; }
 
-  std::set<std::string> users_of(const EnergyEntry& entry) const {
-    if (entry.name.starts_with(kEvents)) return of_event(entry.name.substr(kEvents.size()));
+  std::set<std::string> find_users(const EnergyEntry& entry) const {
+    if (entry.name.starts_with(kEvents)) return counters_of_event(entry.name.substr(kEvents.size()));
     for (const std::string table : {"energy.logic.", "energy.flops."}) {
       if (entry.name.starts_with(table)) return unit_kinds_using(entry.name.substr(table.size()));
     }
@@ -186,7 +186,7 @@ class Users {
   }
 
  private:
-  std::set<std::string> of_event(const std::string& event) const {
+  std::set<std::string> counters_of_event(const std::string& event) const {
     const auto found = counters_.find(event);
     return found == counters_.end() ? std::set<std::string>{} : found->second;
   }
@@ -228,7 +228,7 @@ class Users {
     std::set<std::string> out;
     const auto before = hw::dram_energy_events(config_.gpu->dram), after = hw::dram_energy_events(changed.gpu->dram);
     for (const auto& [event, energy] : after) {
-      if (energy.pj.nominal != before.at(event).pj.nominal) out.merge(of_event(event));
+      if (energy.pj.nominal != before.at(event).pj.nominal) out.merge(counters_of_event(event));
     }
     return out;
   }
@@ -292,7 +292,7 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
                        origin == origins.end() ? "by default" : printable_lines(origin->second));
   }
   if (entry.figures.size() > 1) out += curve_text(entry);
-  const std::set<std::string> counters = users.users_of(entry);
+  const std::set<std::string> counters = users.find_users(entry);
   if (counters.empty()) return out + "  " + entry.meaning + "\n";
   for (const std::string& counter : counters) out += "  counted by " + counter + "\n";
   return out;

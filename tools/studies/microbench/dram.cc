@@ -113,7 +113,7 @@ namespace {
 
 using sim::Json;
 
-double ns_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
+double nanoseconds_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
 
 /// Latency statistics of DRAM requests, in ns.
 struct Latencies {
@@ -155,9 +155,10 @@ struct Result {
         reads(latencies_ns(requests, true, false)),
         writes(latencies_ns(requests, false, true)) {}
 
-  double bandwidth_gbps() const { return static_cast<double>(play.stats.bytes) / ns_of(play.end); }
+  double bandwidth_gbps() const { return static_cast<double>(play.stats.bytes) / nanoseconds_of(play.end); }
   double peak_gbps() const {
-    return static_cast<double>(config.organisation.burst.bytes) / ns_of(config.timing.burst * config.timing.ck.time);
+    return static_cast<double>(config.organisation.burst.bytes) /
+           nanoseconds_of(config.timing.burst * config.timing.ck.time);
   }
   double hit_rate() const { return static_cast<double>(play.stats.row_hits) / static_cast<double>(all.count); }
   sim::Band pj_per_bit() const {
@@ -168,7 +169,7 @@ struct Result {
   std::vector<double> latencies_ns(const std::vector<hw::DramRequest>& requests, bool of_reads, bool of_writes) const {
     std::vector<double> ns;
     for (std::size_t i = 0; i < requests.size(); ++i) {
-      if (requests[i].write ? of_writes : of_reads) ns.push_back(ns_of(play.request_latency(i)));
+      if (requests[i].write ? of_writes : of_reads) ns.push_back(nanoseconds_of(play.request_latency(i)));
     }
     return ns;
   }
@@ -180,14 +181,14 @@ Json stream_json(const Result& r) {
   for (const auto& [reason, cycles] : r.play.why) why[reason] = cycles;
   hw::DramChannel::Stats::describe(
       s, [&](std::uint64_t value, const char* name, const char*, auto&&...) { counters[name] = value; });
-  for (const sim::Time time : r.play.done) done.push_back(ns_of(time));
+  for (const sim::Time time : r.play.done) done.push_back(nanoseconds_of(time));
   return {{"schema", "raywatt-microbench-dram/1"},
           {"grade", r.config.grade},
           {"outstanding", r.outstanding},
           {"requests", r.all.count},
           {"reads", s.reads},
           {"writes", s.writes},
-          {"time_ns", ns_of(r.play.end)},
+          {"time_ns", nanoseconds_of(r.play.end)},
           {"bandwidth_gbps", r.bandwidth_gbps()},
           {"peak_gbps", r.peak_gbps()},
           {"bandwidth_of_peak", r.bandwidth_gbps() / r.peak_gbps()},
@@ -211,7 +212,7 @@ std::string stream_text(const Result& r) {
   line("memory", fmt::format("one channel of {}, lines of {} B, up to {} outstanding", r.config.grade,
                              r.config.line.bytes, r.outstanding));
   line("requests", fmt::format("{} ({} reads, {} writes)", r.all.count, s.reads, s.writes));
-  line("time", fmt::format("{:.3f} us", ns_of(r.play.end) / 1000));
+  line("time", fmt::format("{:.3f} us", nanoseconds_of(r.play.end) / 1000));
   line("bandwidth", fmt::format("{:.3f} GB/s ({:.1f} % of {:.2f} GB/s)", r.bandwidth_gbps(),
                                 100 * r.bandwidth_gbps() / r.peak_gbps(), r.peak_gbps()));
   line("rows", fmt::format("{} hits ({:.1f} %), {} misses, {} conflicts", s.row_hits, 100 * r.hit_rate(), s.row_misses,
@@ -254,7 +255,7 @@ Measurement::Relation relation_of(hw::DramMeasurement::Agreement agreement) {
   return Measurement::Relation::kAtMost;
 }
 
-hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
+hw::DramConfig dram_config_of(const BenchmarkJob& job, const JobOptions& machine) {
   hw::DramConfig config = load_run_config(machine).gpu->dram;
   if (job.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
   return config;
@@ -269,7 +270,7 @@ void add(Findings& findings, const std::string& prefix, const std::vector<hw::Dr
 Findings energies_of_grades(const BenchmarkJob& job) {
   Findings findings{"energy of a channel of each grade", {}};
   for (const JobOptions& of_grade : jobs_with_all_dram_grades(job.machine)) {
-    const hw::DramConfig config = memory_of(job, of_grade);
+    const hw::DramConfig config = dram_config_of(job, of_grade);
     add(findings, config.grade + ", ", hw::dram_energy_measurements(config));
   }
   return findings;
@@ -280,7 +281,7 @@ Findings measure_channel(const BenchmarkJob& job) {
     throw sim::InputError("--all-grades and --stream exclude each other; allowed: one of them");
   }
   if (job.all_grades) return energies_of_grades(job);
-  const hw::DramConfig config = memory_of(job, job.machine);
+  const hw::DramConfig config = dram_config_of(job, job.machine);
   if (job.stream.empty()) {
     Findings findings{config.grade + ", a channel", {}};
     add(findings, "", hw::dram_measurements(config));

@@ -111,15 +111,15 @@ class MemoryForms {
     const auto cycles = static_cast<double>(c_.interconnect.cycles_of(c_.l2.cache.line.bytes));
     return {cores * per_second(l2_) / cycles, "core ports"};
   }
-  UpperBound l2_lines() const { return {c_.l2.banks * per_second(l2_), "L2 lines"}; }
-  UpperBound l2_mshrs(Level level) const {
+  UpperBound l2_line_rate() const { return {c_.l2.banks * per_second(l2_), "L2 lines"}; }
+  UpperBound l2_mshr_rate(Level level) const {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Returns the upper bound of the line rate that is due to `count` MSHRs of a first-level cache. Each MSHR handles
+  /// Returns the upper bound of the line rate that is due to `mshrs` MSHRs of a first-level cache. Each MSHR handles
   /// one miss after the other. MSHRs start in consecutive cycles, so their clock phases differ. If the L2 has another
   /// clock, the bound is not reached.
-  UpperBound l1_mshr_rate(std::uint32_t count, Level level) const {
-    const std::uint32_t starts = std::min(count, 64U);
+  UpperBound l1_mshr_rate(std::uint32_t mshrs, Level level) const {
+    const std::uint32_t starts = std::min(mshrs, 64U);
     double rate = 0;
     for (std::uint32_t i = 0; i < starts; ++i) {
       const sim::Time start = i * tni_.period();
@@ -127,7 +127,7 @@ class MemoryForms {
       for (std::uint32_t round = 0; round < kRounds; ++round) at = line_return_time(at, level);
       rate += kRounds * kPerSecond / static_cast<double>(at - start);
     }
-    return {rate * count / starts, "L1 miss registers", tni_ == l2_};
+    return {rate * mshrs / starts, "L1 miss registers", tni_ == l2_};
   }
   /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. Requests cross
   /// into the port's clock, one per cycle. A slot of the wire is free again when the client sees that the port has
@@ -143,9 +143,9 @@ class MemoryForms {
     }
     return {kRounds * kPerSecond / static_cast<double>(pushed), "request wire"};
   }
-  UpperBound stream_rate() const { return {lines_of_channels(dram_forms_.cycles_per_streamed_line()), "DRAM"}; }
-  UpperBound lines_of_own_row() const {
-    return {lines_of_channels(dram_forms_.cycles_per_line_of_row_stream(1)), "DRAM"};
+  UpperBound stream_rate() const { return {channel_line_rate(dram_forms_.cycles_per_streamed_line()), "DRAM"}; }
+  UpperBound own_row_line_rate() const {
+    return {channel_line_rate(dram_forms_.cycles_per_line_of_row_stream(1)), "DRAM"};
   }
 
  private:
@@ -167,7 +167,7 @@ class MemoryForms {
     return cross_clocks(arrived + static_cast<sim::Time>(device) * dram_.period() + fabric, dram_, 1, l2_);
   }
   static double per_second(sim::Clock clock) { return kPerSecond / static_cast<double>(clock.period()); }
-  double lines_of_channels(double cycles) const { return c_.dram.channels * per_second(dram_) / cycles; }
+  double channel_line_rate(double cycles) const { return c_.dram.channels * per_second(dram_) / cycles; }
 
   const hw::GpuConfig c_;
   const hw::DramClosedForms dram_forms_;
@@ -366,8 +366,8 @@ Measurement measure_machine(const hw::GpuConfig& config, bool random) {
   const std::uint32_t mshrs = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                                               config.srp.data_cache.mshrs);
   const UpperBound bound =
-      tightest_bound({forms.port_rate(config.cores), forms.l2_lines(), forms.l1_mshr_rate(mshrs, level),
-                      forms.l2_mshrs(level), random ? forms.lines_of_own_row() : forms.stream_rate()});
+      tightest_bound({forms.port_rate(config.cores), forms.l2_line_rate(), forms.l1_mshr_rate(mshrs, level),
+                      forms.l2_mshr_rate(level), random ? forms.own_row_line_rate() : forms.stream_rate()});
   return {fmt::format("{}, {}", config.dram.grade, random ? "random" : "stream"),
           "GB/s",
           measured_gbps(config, random),
@@ -410,7 +410,7 @@ constexpr sim::Time kWarm =
     sim::kFemtosecondsPerSecond;  // time at which the measurement starts; the L2 is warm by then
 
 /// Returns the measured rate of misses per cycle that the L1 of one traversal unit sustains.
-double measured_rate(const hw::GpuConfig& config, bool in_l2) {
+double measured_misses_per_cycle(const hw::GpuConfig& config, bool in_l2) {
   MemorySide side(config);
   const std::uint64_t line = config.l2.cache.line.bytes;
   for (std::uint64_t i = 0; i < kMissedLines; ++i) {
@@ -435,16 +435,16 @@ Findings measure_misses(hw::GpuConfig config) {
     for (std::uint32_t mshrs = 1; mshrs <= 64; mshrs *= 2) {
       config.tni.trv.l1.mshrs = mshrs;
       const Level level = in_l2 ? Level::kL2 : Level::kRowOpen;
-      std::vector<UpperBound> bounds = {forms.l1_mshr_rate(mshrs, level), forms.port_rate(1), forms.l2_lines(),
+      std::vector<UpperBound> bounds = {forms.l1_mshr_rate(mshrs, level), forms.port_rate(1), forms.l2_line_rate(),
                                         forms.request_wire_rate()};
       if (!in_l2) {
-        bounds.push_back(forms.l2_mshrs(level));
+        bounds.push_back(forms.l2_mshr_rate(level));
         bounds.push_back(forms.stream_rate());
       }
       const UpperBound bound = tightest_bound(bounds);
       found.measurements.push_back(
           {fmt::format("{} miss register{}, lines in {}", mshrs, mshrs == 1 ? "" : "s", in_l2 ? "the L2" : "DRAM"),
-           "M/s", measured_rate(config, in_l2), bound.value / 1e6,
+           "M/s", measured_misses_per_cycle(config, in_l2), bound.value / 1e6,
            in_l2 ? bound.required_relation() : Measurement::Relation::kAtMost, std::string(bound.by)});
     }
   }

@@ -81,16 +81,16 @@ class TniForms {
     return lines_read(leaf, static_cast<std::uint32_t>(leaf.exits.size()));
   }
   /// Returns the latency of a single leaf in an idle intersection unit, from its arrival to its answer.
-  std::uint32_t leaf_time(const Leaf& leaf) const {
+  std::uint32_t lone_leaf_latency(const Leaf& leaf) const {
     std::uint32_t known = 0;
     for (std::uint32_t i = 0; i < leaf.exits.size(); ++i)
       known = std::max(known, lines_read(leaf, i + 1) - 1 + tni_.ist.l1.hit_cycles + exit_stage(leaf.exits[i]));
     return known;
   }
   /// Returns the latency of a single ray in an idle T&I unit, from its arrival at a traversal unit to its end.
-  std::uint32_t ray_time(const StraightRay& ray) const {
+  std::uint32_t lone_ray_latency(const StraightRay& ray) const {
     const std::uint32_t pass = tni_.trv.l1.hit_cycles + tni_.trv.box_latency;
-    const std::uint32_t to_ist_and_back = tni_.trv.leaf_latency + leaf_time(ray.leaf) + 1;
+    const std::uint32_t to_ist_and_back = tni_.trv.leaf_latency + lone_leaf_latency(ray.leaf) + 1;
     return box_passes(ray) * pass + (ray.leaf.exits.empty() ? 0 : to_ist_and_back);
   }
 
@@ -98,7 +98,7 @@ class TniForms {
   /// leaves in the unit end in the same round. If a round is shorter than the rest of the pipeline, the unit idles
   /// until the first leaf ends.
   UpperBound leaves_per_cycle(const Leaf& leaf) const {
-    const std::uint32_t round = tni_.ist.leaves, rest = leaf_time(leaf) - lines_read(leaf) + 2;
+    const std::uint32_t round = tni_.ist.leaves, rest = lone_leaf_latency(leaf) - lines_read(leaf) + 2;
     const std::uint32_t idle = rest > round ? rest - round : 0;
     return {double(round) / (round * lines_read(leaf) + idle), idle == 0 ? "intersection" : "leaves inside"};
   }
@@ -108,7 +108,7 @@ class TniForms {
     // One box tester: boxes and leaves share a pipe. Two: the box pipe and the leaf pipe work in parallel.
     const std::uint32_t busy = tni_.trv.box_testers == 1 ? box_passes(ray) + tests : std::max(box_passes(ray), tests);
     // A ray slot is occupied from dispatch to collection, which adds a cycle of wire in each direction.
-    const std::uint32_t taken = ray_time(ray) + 2;
+    const std::uint32_t taken = lone_ray_latency(ray) + 2;
     std::vector<UpperBound> bounds = {{double(tni_.trvs) / busy, "traversal"},
                                       {double(tni_.trvs) * tni_.trv.rays / taken, "rays inside", false},
                                       {1.0 / direct_.interval, "interface"},
@@ -116,7 +116,7 @@ class TniForms {
                                       {1, "dispatcher"}};
     if (tests != 0) {
       bounds.push_back({1.0 / lines_read(ray.leaf), "intersection"});
-      bounds.push_back({double(tni_.ist.leaves) / (leaf_time(ray.leaf) + 1), "leaves inside", false});
+      bounds.push_back({double(tni_.ist.leaves) / (lone_leaf_latency(ray.leaf) + 1), "leaves inside", false});
     }
     return tightest_bound(bounds);
   }
@@ -305,7 +305,7 @@ double leaf_pj(ExitPhase exit, std::uint64_t cache_bytes, const sim::EnergyTable
   return pj;
 }
 
-void add_exits(const RunConfig& config, Findings& found) {
+void add_exit_measurements(const RunConfig& config, Findings& found) {
   const TniForms forms(*config.gpu, config.bvh.triangle_bytes);
   const sim::EnergyTable table(config.energy.events);
   for (std::size_t i = 0; i < kExits.size(); ++i) {
@@ -315,7 +315,7 @@ void add_exits(const RunConfig& config, Findings& found) {
     const IstHarness lone(config, one, 1);
     // the measured time includes two cycles of wire
     const auto cycles = static_cast<double>(lone.clock().cycles(lone.answer_times().front()));
-    found.measurements.push_back({name("a lone test"), "cycles", cycles - 2, double(forms.leaf_time(one))});
+    found.measurements.push_back({name("a lone test"), "cycles", cycles - 2, double(forms.lone_leaf_latency(one))});
 
     const IstHarness full(config, four, kLeaves);
     const double leaves = steady_rate(full.answer_times()) * static_cast<double>(full.clock().period()) /
@@ -382,13 +382,14 @@ void add_scene(const JobOptions& job, Findings& found) {
     found.measurements.push_back({fmt::format("{}, exit: {}", name, kExitNames[i]), "tests",
                                   static_cast<double>(measured[i]), n, Measurement::Relation::kExactly,
                                   fmt::format("{:.1f} %", tests == 0 ? 0 : 100 * n / tests)});
-    cycles += n * forms.leaf_time({0, {kExits[i]}});
+    cycles += n * forms.lone_leaf_latency({0, {kExits[i]}});
     pj += n * leaf_pj(kExits[i], cache, table);
   }
   if (tests == 0) return;
-  found.notes.push_back(fmt::format(
-      "{}: a single test of this mix takes {:.1f} cycles and {:.1f} pJ; without early exits {} and {:.1f}.", name,
-      cycles / tests, pj / tests, forms.leaf_time({0, {ExitPhase::kHit}}), leaf_pj(ExitPhase::kHit, cache, table)));
+  found.notes.push_back(
+      fmt::format("{}: a single test of this mix takes {:.1f} cycles and {:.1f} pJ; without early exits {} and {:.1f}.",
+                  name, cycles / tests, pj / tests, forms.lone_leaf_latency({0, {ExitPhase::kHit}}),
+                  leaf_pj(ExitPhase::kHit, cache, table)));
 }
 
 }  // namespace
@@ -409,7 +410,7 @@ Benchmark early_exit_benchmark() {
         job.scene = benchmark.scene;
         job.resolution = benchmark.resolution;
         Findings found{"intersection unit", {}};
-        add_exits(machine_without_ideals(job), found);
+        add_exit_measurements(machine_without_ideals(job), found);
         add_scene(job, found);
         return found;
       }};

@@ -129,11 +129,13 @@ View view_of_kim(const std::string& scene, bool quick) {
   return view;
 }
 
-/// Returns an undersampling experiment with grid x grid samples per pixel. The reference traces all samples.
-Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t grid, bool quick) {
-  return case_of(view, fmt::format("{}x{}", grid, grid), width, height,
-                 {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
-                 {fmt::format("full:{}", grid * grid)}, quick);
+/// Returns an undersampling experiment with `samples_per_side` squared samples per pixel. The reference traces all
+/// samples.
+Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t samples_per_side,
+                      bool quick) {
+  return case_of(view, fmt::format("{}x{}", samples_per_side, samples_per_side), width, height,
+                 {"undersample", {fmt::format("undersample.samples={}", samples_per_side * samples_per_side)}},
+                 {fmt::format("full:{}", samples_per_side * samples_per_side)}, quick);
 }
 
 /// Adds the cases of one scene for tables 3(a) and 5 and for figures 1 and 6.
@@ -265,7 +267,7 @@ ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
   return program;
 }
 
-Case against_truth(const View& view, std::string setting, ProgramSetup run, bool quick) {
+Case case_against_truth(const View& view, std::string setting, ProgramSetup run, bool quick) {
   Case c = case_of(view, std::move(setting), 1024, 1024, std::move(run), {"full:1"}, quick);
   c.truth = true;
   return c;
@@ -274,7 +276,7 @@ Case against_truth(const View& view, std::string setting, ProgramSetup run, bool
 void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick) {
   const View view = view_of_jin(scene, quick);
   const auto add = [&](std::string setting, ProgramSetup run) {
-    Case c = against_truth(view, std::move(setting), std::move(run), quick);
+    Case c = case_against_truth(view, std::move(setting), std::move(run), quick);
     c.metrics = metric_list("table 2", {"psnr_db", "time_of_fixed_1"});
     if (c.run.name == "supersample") {
       c.metrics.push_back({"table 2", "samples_of_fixed_9"});
@@ -309,7 +311,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   for (const std::string& strict : keys) {
     ProgramSetup run{"supersample", {}};
     for (const std::string& key : keys) run.sets.push_back(threshold_key(key, key == strict ? 0.05 : 1.0));
-    Case c = against_truth(view, strict + " alone", std::move(run), quick);
+    Case c = case_against_truth(view, strict + " alone", std::move(run), quick);
     c.machine = false;
     c.metrics = metric_list("figure 6", {"sample_ratio", "psnr_db"});
     c.picture = "6-" + strict;
@@ -325,8 +327,8 @@ void add_figure_7(std::vector<Case>& cases, bool quick) {
     ProgramSetup colour{"supersample", {threshold_key("colour", alpha)}};
     for (const char* key : kGeometry) set_both_thresholds(colour.sets, key, -1);
     for (const bool single : {true, false}) {
-      Case c = against_truth(view, fmt::format("{} {:.1f}", single ? "colour only" : "all thresholds", alpha),
-                             single ? colour : adaptive_supersampling("forest", alpha), quick);
+      Case c = case_against_truth(view, fmt::format("{} {:.1f}", single ? "colour only" : "all thresholds", alpha),
+                                  single ? colour : adaptive_supersampling("forest", alpha), quick);
       c.machine = false;
       c.metrics = metric_list("figure 7", {"sample_ratio", "psnr_db"});
       c.picture = single ? fmt::format("7-colour-{:.1f}", alpha) : fmt::format("7-all-{:.1f}", alpha);
@@ -385,7 +387,7 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
 }
 
 /// Adds the settings with which T&I units never wait for rays to a program, so that T&I units are measured alone.
-ProgramSetup on_tni_alone(ProgramSetup program) {
+ProgramSetup with_tni_alone_settings(ProgramSetup program) {
   program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;
 }
@@ -397,7 +399,7 @@ void add_times(std::vector<Case>& cases, bool quick) {
     if (quick && pixels == 768) continue;
     for (const bool whole : {true, false}) {
       const std::string name = fmt::format("{}x{}{}", pixels, pixels, whole ? "" : ", T&I alone");
-      const auto on = [&](const ProgramSetup& program) { return whole ? program : on_tni_alone(program); };
+      const auto on = [&](const ProgramSetup& program) { return whole ? program : with_tni_alone_settings(program); };
       for (const Setting& s : {Setting{"none", unfiltered_program()},
                                {"ours, by rays", reconstruction_program()},
                                {"ours", raster_reconstruction()},
@@ -414,8 +416,8 @@ void add_times(std::vector<Case>& cases, bool quick) {
 }
 
 /// Adds cases that write pictures: one of each filter, and one of four shaded samples per pixel for comparison.
-void add_pictures(std::vector<Case>& cases, const std::string& figure, const View& view, const std::vector<Crop>& crops,
-                  bool quick) {
+void add_picture_cases(std::vector<Case>& cases, const std::string& figure, const View& view,
+                       const std::vector<Crop>& crops, bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
   for (const Setting& s : {Setting{"none", unfiltered_program()},
                            {"SRAA", sraa_program()},
@@ -432,8 +434,8 @@ void add_pictures(std::vector<Case>& cases, const std::string& figure, const Vie
 }
 
 /// Adds cases that measure errors by class of pixels (Mask), for each filter and its variants.
-void add_quality(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
-                 std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
+void add_quality_cases(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
+                       std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
   for (const Setting& s : {Setting{"none", unfiltered_program()},
                            {"SRAA", sraa_program()},
                            {"ours", reconstruction_program()},
@@ -450,11 +452,11 @@ void add_quality(std::vector<Case>& cases, const View& view, const std::string& 
   }
 }
 
-void add_masks(std::vector<Case>& cases, bool quick) {
+void add_mask_cases(std::vector<Case>& cases, bool quick) {
   std::vector<std::string> masks = {"object_edges", "shadow_edges", "elsewhere"};
   const auto add = [&](const View& view, const std::string& name) {
-    add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
-    if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
+    add_quality_cases(cases, view, name, kChiuSide, kChiuSide, masks, quick);
+    if (!quick) add_quality_cases(cases, view, name, 512, 256, masks, quick);
   };
   add(view_of("Cornell box", "cornell", quick, "front"), "front");
   if (quick) return;
@@ -471,18 +473,19 @@ void add_masks(std::vector<Case>& cases, bool quick) {
 std::vector<Case> chiu_cases(bool quick) {
   std::vector<Case> cases;
   add_times(cases, quick);
-  add_pictures(cases, "figure 4", view_of("Cornell box", "cornell", quick), {{"shadow", 0.34, 0.83, 0.0625}}, quick);
-  add_pictures(cases, "figure 5", sponza_view(quick),
-               {{"primary", 0.48, 0.44, 0.0625},
-                {"shadow", 0.5, 0.7, 0.0625},
-                {"reflection", 0.61, 0.87, 0.0625},
-                {"reflected-shadow", 0.7, 0.9, 0.0625}},
-               quick);
-  add_pictures(cases, "figure 6", view_of("textured floor", "chess", quick), {{"floor", 0.5, 0.8, 0.0625}}, quick);
+  add_picture_cases(cases, "figure 4", view_of("Cornell box", "cornell", quick), {{"shadow", 0.34, 0.83, 0.0625}},
+                    quick);
+  add_picture_cases(cases, "figure 5", sponza_view(quick),
+                    {{"primary", 0.48, 0.44, 0.0625},
+                     {"shadow", 0.5, 0.7, 0.0625},
+                     {"reflection", 0.61, 0.87, 0.0625},
+                     {"reflected-shadow", 0.7, 0.9, 0.0625}},
+                    quick);
+  add_picture_cases(cases, "figure 6", view_of("textured floor", "chess", quick), {{"floor", 0.5, 0.8, 0.0625}}, quick);
   for (Case& c : cases) {
     if (c.view.scene == "textured floor") c.metrics.push_back({"figure 6", "psnr_at_texture_edges"});
   }
-  add_masks(cases, quick);
+  add_mask_cases(cases, quick);
   return cases;
 }
 
@@ -549,7 +552,7 @@ class Plan {
 
 /// Compares traversal with two box testers with that of the unit before 2014: one box tester, one pipe shared by boxes
 /// and leaves, one record per box.
-void add_two_boxes(Plan& plan, const Machine& m) {
+void add_two_box_cases(Plan& plan, const Machine& m) {
   plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
            join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});
 }
@@ -558,7 +561,7 @@ const std::vector<std::string> kCacheUse = {
     "l1_hits",        "l1_hits_ratio", "l1_first_hits",    "l1_first_hits_ratio",
     "l1_fills_ratio", "speedup",       "tni_perf_per_watt"};
 
-void add_reorder(Plan& plan, const Machine& m) {
+void add_reorder_cases(Plan& plan, const Machine& m) {
   for (const char* other : {"bypass", "blocking", "rau"}) {
     plan.add(fmt::format("reorder against {}, {}", other, m.name), "reorder buffer 2015", m.sets,
              join_sets(m.sets, {std::string("tni.miss_handling=") + other}), kCacheUse);
@@ -566,7 +569,7 @@ void add_reorder(Plan& plan, const Machine& m) {
 }
 
 /// Adds cases that vary two sizes that the paper does not give: rays in flight per unit, and cache size.
-void add_sizes(Plan& plan, const Machine& m) {
+void add_size_cases(Plan& plan, const Machine& m) {
   const auto add = [&](const std::string& size, const Sets& sets) {
     for (const char* other : {"bypass", "blocking"}) {
       plan.add(fmt::format("{}, against {}", size, other), "reorder buffer 2015 by size", join_sets(m.sets, sets),
@@ -583,7 +586,7 @@ void add_sizes(Plan& plan, const Machine& m) {
   }
 }
 
-void add_direct_interface(Plan& plan, const Machine& m) {
+void add_direct_interface_cases(Plan& plan, const Machine& m) {
   const std::vector<std::string> metrics = {"dram_bytes_ratio", "speedup", "gpu_perf_per_watt"};
   const auto add = [&](const std::string& how, const Sets& off) {
     plan.add("on against off, " + m.name + how, "direct interface 2013", m.sets,
@@ -594,7 +597,7 @@ void add_direct_interface(Plan& plan, const Machine& m) {
   if (m.name == "T&I alone") add(", records stay in the L2", {"direct_interface.ring=512"});
 }
 
-void add_hybrid(Plan& plan, const Machine& m) {
+void add_hybrid_cases(Plan& plan, const Machine& m) {
   plan.add(
       "hybrid against floats, " + m.name, "hybrid numbers 2015", join_sets(m.sets, {"bvh.numbers=hybrid"}), m.sets,
       {"box_bytes_ratio", "node_bytes_ratio", "l1_fills_ratio", "dram_bytes_ratio", "speedup", "tni_perf_per_watt"});
@@ -609,14 +612,14 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
     std::vector<Machine> machines = {tni_alone_machine()};
     if (!quick) machines.push_back(whole_gpu());
     for (const Machine& m : machines) {
-      add_reorder(plan, m);
-      add_direct_interface(plan, m);
+      add_reorder_cases(plan, m);
+      add_direct_interface_cases(plan, m);
     }
-    if (!quick) add_sizes(plan, tni_alone_machine());
+    if (!quick) add_size_cases(plan, tni_alone_machine());
     // Cases with another BVH come last, so that each BVH is built once.
-    for (const Machine& m : machines) add_hybrid(plan, m);
+    for (const Machine& m : machines) add_hybrid_cases(plan, m);
     machines.push_back(one_trv_machine());
-    for (const Machine& m : machines) add_two_boxes(plan, m);
+    for (const Machine& m : machines) add_two_box_cases(plan, m);
   }
   return cases;
 }

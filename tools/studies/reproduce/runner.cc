@@ -42,13 +42,13 @@ void make_mirror(MaterialRecord& m) {
   m.flags |= traces::kMirror;
 }
 
-void make_dull(MaterialRecord& m) {
+void make_diffuse(MaterialRecord& m) {
   m.mirrored = glm::vec3(0);
   m.diffuse_share = 1;
   m.flags = (m.flags & ~std::uint32_t{traces::kMirror}) | traces::kDiffuse;
 }
 
-bool is_fixed(const MaterialRecord& m) {
+bool is_kept_material(const MaterialRecord& m) {
   constexpr std::uint32_t kOthers = traces::kGlass | traces::kPhysical | traces::kBlended;
   return m.entering > 0 || (m.flags & kOthers) != 0;
 }
@@ -71,17 +71,17 @@ void set_reflective_share(Inputs& inputs, double share, std::uint32_t threads) {
   std::vector<MaterialRecord>& materials = inputs.image.materials;
   const std::vector<MaterialRecord> originals = materials;
   for (MaterialRecord& m : materials) {
-    if (!is_fixed(m)) make_dull(m);
+    if (!is_kept_material(m)) make_diffuse(m);
   }
   double reached = reflective_share(inputs, threads);
   const double of_glass = reached;
 
   std::vector<std::pair<double, std::size_t>> covers;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (is_fixed(materials[i])) continue;
+    if (is_kept_material(materials[i])) continue;
     make_mirror(materials[i]);
     covers.emplace_back(reflective_share(inputs, threads) - of_glass, i);
-    make_dull(materials[i]);
+    make_diffuse(materials[i]);
   }
   std::ranges::sort(covers, [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;
@@ -295,13 +295,13 @@ Value ratio_of(double a, double b) {
 }
 Value ratio_of(std::uint64_t a, std::uint64_t b) { return ratio_of(static_cast<double>(a), static_cast<double>(b)); }
 
-double tni_pj(const ProgramResult& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
+double tni_energy_pj(const ProgramResult& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
 /// Returns the energy of an area block in pJ; 0 if the machine does not have the block.
-double block_pj(const ProgramResult& o, const std::string& block) {
+double block_energy_pj(const ProgramResult& o, const std::string& block) {
   const auto found = o.simulation.energy.blocks.find(block);
   return found == o.simulation.energy.blocks.end() ? 0 : found->second.total().nominal;
 }
-double all_pj(const ProgramResult& o) { return o.simulation.energy.total_pj.nominal; }
+double total_energy_pj(const ProgramResult& o) { return o.simulation.energy.total_pj.nominal; }
 
 /// Returns a counter of the T&I units' first-level caches, summed over all units.
 std::uint64_t l1_counter(const ProgramResult& o, std::uint64_t hw::FetchStats::*counter) {
@@ -313,11 +313,11 @@ std::uint64_t dram_bytes_of(const ProgramResult& o) {
 }
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
 /// Returns the share of cache lines read by T&I units that hit the L1 at the first probe.
-double first_hits(const ProgramResult& o) {
+double l1_first_probe_hit_rate(const ProgramResult& o) {
   const std::uint64_t lines = l1_counter(o, &hw::FetchStats::l1_hits) + l1_counter(o, &hw::FetchStats::rau_reads);
   return 1 - ratio_of(l1_counter(o, &hw::FetchStats::l1_late), lines).value_or(0);
 }
-double all_hits(const ProgramResult& o) {
+double l1_hit_rate(const ProgramResult& o) {
   return ratio_of(l1_counter(o, &hw::FetchStats::l1_hits), l1_counter(o, &hw::FetchStats::l1_accesses)).value_or(0);
 }
 
@@ -348,7 +348,7 @@ Value speedup_of(const Comparison& c) { return ratio_of(c.reference.simulation.c
 Value work_ratio(const Comparison& c) {
   return ratio_of(c.run.simulation.rendered.traversal_steps, c.reference.simulation.rendered.traversal_steps);
 }
-Value tni_perf_per_watt(const Comparison& c) { return ratio_of(tni_pj(c.reference), tni_pj(c.run)); }
+Value tni_perf_per_watt(const Comparison& c) { return ratio_of(tni_energy_pj(c.reference), tni_energy_pj(c.run)); }
 
 Value product_of(Value a, Value b) {
   if (!a || !b) return {};
@@ -415,23 +415,27 @@ constexpr std::array<Metric, 43> kMetrics = {{
     {"time_of_fixed_1", "cycles over cycles of one sample per pixel", Shown::kFactor, true,
      [](const Comparison& c) { return ratio_of(c.run.simulation.cycles, c.reference.simulation.cycles); }},
     {"tni_power", "power of the T&I units against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return product_of(ratio_of(tni_pj(c.run), tni_pj(c.reference)), speedup_of(c)); }},
+     [](const Comparison& c) {
+       return product_of(ratio_of(tni_energy_pj(c.run), tni_energy_pj(c.reference)), speedup_of(c));
+     }},
     {"tni_perf_per_watt", "performance per watt of the T&I units against the reference's", Shown::kFactor, true,
      tni_perf_per_watt},
     {"gpu_perf_per_watt", "the same of the GPU with its memory", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio_of(all_pj(c.reference), all_pj(c.run)); }},
+     [](const Comparison& c) { return ratio_of(total_energy_pj(c.reference), total_energy_pj(c.run)); }},
     {"energy_ratio", "energy of GPU and memory against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio_of(all_pj(c.run), all_pj(c.reference)); }},
+     [](const Comparison& c) { return ratio_of(total_energy_pj(c.run), total_energy_pj(c.reference)); }},
     {"dram_bytes_ratio", "bytes over the memory's buses against the reference's", Shown::kFactor, true,
      [](const Comparison& c) { return ratio_of(dram_bytes_of(c.run), dram_bytes_of(c.reference)); }},
     {"l1_hits", "probes of the T&I units' caches that hit, retries included", Shown::kShare, true,
-     [](const Comparison& c) { return Value(all_hits(c.run)); }},
+     [](const Comparison& c) { return Value(l1_hit_rate(c.run)); }},
     {"l1_hits_ratio", "the same against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio_of(all_hits(c.run), all_hits(c.reference)); }},
+     [](const Comparison& c) { return ratio_of(l1_hit_rate(c.run), l1_hit_rate(c.reference)); }},
     {"l1_first_hits", "the same of the first probe for each line", Shown::kShare, true,
-     [](const Comparison& c) { return Value(first_hits(c.run)); }},
+     [](const Comparison& c) { return Value(l1_first_probe_hit_rate(c.run)); }},
     {"l1_first_hits_ratio", "the same against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio_of(first_hits(c.run), first_hits(c.reference)); }},
+     [](const Comparison& c) {
+       return ratio_of(l1_first_probe_hit_rate(c.run), l1_first_probe_hit_rate(c.reference));
+     }},
     {"l1_fills_ratio", "lines brought into the T&I units' caches against the reference's", Shown::kFactor, true,
      [](const Comparison& c) { return ratio_of(lines_filled(c.run), lines_filled(c.reference)); }},
     {"box_bytes_ratio", "bytes of all boxes of the tree against the reference's", Shown::kFactor, false,
@@ -457,7 +461,7 @@ constexpr std::array<Metric, 43> kMetrics = {{
     {"dram_bytes", "bytes over the memory's buses for a frame", Shown::kCount, true,
      [](const Comparison& c) { return Value(static_cast<double>(dram_bytes_of(c.run))); }},
     {"raster_share", "energy of the rasterisers, of GPU and memory", Shown::kShare, true,
-     [](const Comparison& c) { return ratio_of(block_pj(c.run, "raster"), all_pj(c.run)); }},
+     [](const Comparison& c) { return ratio_of(block_energy_pj(c.run, "raster"), total_energy_pj(c.run)); }},
     {"ops_of_traced", "operations of the SRPs for a sample of the reference", Shown::kCount, true, ops_of_traced},
     {"ops_of_interpolated", "the same for a sample that is not traced", Shown::kCount, true, ops_of_interpolated},
 }};

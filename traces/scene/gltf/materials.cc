@@ -87,7 +87,7 @@ std::uint32_t Textures::find_or_add(int texture, bool srgb) {
   return entry->second;
 }
 
-glm::vec4 Textures::mean_of(int texture, bool srgb) {
+glm::vec4 Textures::mean_colour_of(int texture, bool srgb) {
   const int source = source_of(texture);
   if (source < 0) return glm::vec4(1);
   const auto [entry, is_new] = means_.try_emplace({source, srgb}, glm::vec4(1));
@@ -164,14 +164,14 @@ struct Extension {
   Textures& textures;
   const tinygltf::Value& object;
 
-  glm::vec4 mean_of(const char* texture, bool srgb) const {
+  glm::vec4 mean_colour_of(const char* texture, bool srgb) const {
     const int index = object.Has(texture) ? index_or_none(object.Get(texture), "index") : -1;
-    return index < 0 ? glm::vec4(1) : textures.mean_of(index, srgb);
+    return index < 0 ? glm::vec4(1) : textures.mean_colour_of(index, srgb);
   }
   /// Returns a factor of 0 to 1, multiplied with the mean of a channel of its texture.
   float textured_factor(const char* name, float absent, const char* texture, int channel) const {
     const float value = std::clamp(number_or(context, object, name, absent), 0.0F, 1.0F);
-    return value > 0 ? value * mean_of(texture, false)[channel] : 0;
+    return value > 0 ? value * mean_colour_of(texture, false)[channel] : 0;
   }
 };
 
@@ -190,7 +190,7 @@ Surface read_surface(Context& context, Textures& textures, const tinygltf::Mater
   s.metallic = s.mean_metallic = clamp_to_unit(context, pbr.metallicFactor, what + " metallicFactor");
   s.roughness = s.mean_roughness = clamp_to_unit(context, pbr.roughnessFactor, what + " roughnessFactor");
   if (pbr.metallicRoughnessTexture.index >= 0) {
-    const glm::vec4 mean = textures.mean_of(pbr.metallicRoughnessTexture.index, false);
+    const glm::vec4 mean = textures.mean_colour_of(pbr.metallicRoughnessTexture.index, false);
     s.mean_roughness *= mean.y;
     s.mean_metallic *= mean.z;
   }
@@ -205,7 +205,7 @@ Surface read_surface(Context& context, Textures& textures, const tinygltf::Mater
   if (const auto* object = find_extension(m.extensions, "KHR_materials_specular")) {
     const Extension specular{context, textures, *object};
     const glm::vec3 colour = glm::max(vec3_or(context, *object, "specularColorFactor", glm::vec3(1)), 0.0F) *
-                             glm::vec3(specular.mean_of("specularColorTexture", true));
+                             glm::vec3(specular.mean_colour_of("specularColorTexture", true));
     s.specular =
         specular.textured_factor("specularFactor", 1, "specularTexture", 3) * (colour.x + colour.y + colour.z) / 3;
   }
@@ -291,7 +291,8 @@ class Reader {
     out_.opacity = base.w;
     out_.base_texture = use_texture(pbr.baseColorTexture, true);
     mean_base_ = out_.base_colour;
-    if (out_.base_texture.is_used()) mean_base_ *= glm::vec3(textures_.mean_of(pbr.baseColorTexture.index, true));
+    if (out_.base_texture.is_used())
+      mean_base_ *= glm::vec3(textures_.mean_colour_of(pbr.baseColorTexture.index, true));
   }
 
   void read_alpha() {

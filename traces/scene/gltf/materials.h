@@ -23,7 +23,7 @@ class Textures {
   std::uint32_t find_or_add(int texture, bool srgb);
 
   /// Returns the mean of a texture's texels, 0..1, alpha included; linear colour if `srgb`. White if there is no image.
-  glm::vec4 mean_of(int texture, bool srgb);
+  glm::vec4 mean_colour_of(int texture, bool srgb);
 
  private:
   Texture& decode_image(int index);

@@ -135,7 +135,7 @@ float to_linear(std::uint32_t encoded) {
 }
 
 /// Returns the mean linear colour of an sRGB texture.
-glm::vec3 mean_of(const Texture& texture) {
+glm::vec3 mean_colour_of(const Texture& texture) {
   glm::dvec3 sum(0);
   for (const std::uint32_t texel : texture.texels) {
     sum += glm::dvec3(to_linear(texel), to_linear(texel >> 8), to_linear(texel >> 16));
@@ -205,7 +205,7 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
     return to;
   }
   const bool tinted = m.mirror > 0 && m.base_texture.is_used();
-  const Surface s = surface_of(m, tinted ? mean_of(scene.textures[m.base_texture.texture]) : glm::vec3(1));
+  const Surface s = surface_of(m, tinted ? mean_colour_of(scene.textures[m.base_texture.texture]) : glm::vec3(1));
   pbr.baseColorFactor = to_numbers(glm::vec4(s.base, 1));
   write_texture_use(m.base_texture, pbr.baseColorTexture);
   write_texture_use(m.metal_rough_texture, pbr.metallicRoughnessTexture);

@@ -145,28 +145,28 @@ TEST(ThermalGovernor, StepsDownAboveTheDiesLimitUnlessItCoolsAndUpBelowBoth) {
   sim::ThermalConfig config;
   config.die_limit = 90, config.body_limit = 40, config.hysteresis = 1, config.lookahead = 10;
   ThermalGovernor governor(config, 3);
-  governor.decide({50, 30}, 1);
-  governor.decide({50, 30}, 1);
-  EXPECT_FALSE(governor.decide({50, 30}, 1)) << "the fastest already";
-  EXPECT_TRUE(governor.decide({91, 30}, 1));
-  EXPECT_TRUE(governor.decide({91, 30}, 1)) << "not cooler yet";
+  governor.choose_next_clock({50, 30}, 1);
+  governor.choose_next_clock({50, 30}, 1);
+  EXPECT_FALSE(governor.choose_next_clock({50, 30}, 1)) << "the fastest already";
+  EXPECT_TRUE(governor.choose_next_clock({91, 30}, 1));
+  EXPECT_TRUE(governor.choose_next_clock({91, 30}, 1)) << "not cooler yet";
   EXPECT_EQ(governor.step(), 2U);
-  EXPECT_FALSE(governor.decide({92, 30}, 1)) << "the slowest already";
-  EXPECT_FALSE(governor.decide({90.5, 30}, 1)) << "cooling";
-  EXPECT_FALSE(governor.decide({89.5, 30}, 1)) << "within the hysteresis";
-  EXPECT_TRUE(governor.decide({88, 30}, 1));
+  EXPECT_FALSE(governor.choose_next_clock({92, 30}, 1)) << "the slowest already";
+  EXPECT_FALSE(governor.choose_next_clock({90.5, 30}, 1)) << "cooling";
+  EXPECT_FALSE(governor.choose_next_clock({89.5, 30}, 1)) << "within the hysteresis";
+  EXPECT_TRUE(governor.choose_next_clock({88, 30}, 1));
 }
 
 TEST(ThermalGovernor, StepsDownBeforeTheBodyPassesItsLimit) {
   sim::ThermalConfig config;
   config.die_limit = 90, config.body_limit = 40, config.hysteresis = 1, config.lookahead = 10;
   ThermalGovernor governor(config, 3);
-  governor.decide({50, 35}, 1);
-  governor.decide({50, 35}, 1);
-  EXPECT_FALSE(governor.decide({50, 35.3}, 1)) << "38.3 in ten seconds";
-  EXPECT_TRUE(governor.decide({50, 36}, 1)) << "43 in ten seconds";
-  EXPECT_FALSE(governor.decide({50, 36.3}, 1)) << "39.3: within the hysteresis";
-  EXPECT_TRUE(governor.decide({50, 36.4}, 1)) << "37.4";
+  governor.choose_next_clock({50, 35}, 1);
+  governor.choose_next_clock({50, 35}, 1);
+  EXPECT_FALSE(governor.choose_next_clock({50, 35.3}, 1)) << "38.3 in ten seconds";
+  EXPECT_TRUE(governor.choose_next_clock({50, 36}, 1)) << "43 in ten seconds";
+  EXPECT_FALSE(governor.choose_next_clock({50, 36.3}, 1)) << "39.3: within the hysteresis";
+  EXPECT_TRUE(governor.choose_next_clock({50, 36.4}, 1)) << "37.4";
 }
 
 TEST(ThermalGovernor, ExtrapolatesTheBodyAtItsRateSinceTheLastDecision) {
@@ -174,9 +174,9 @@ TEST(ThermalGovernor, ExtrapolatesTheBodyAtItsRateSinceTheLastDecision) {
   config.die_limit = 90, config.body_limit = 40, config.hysteresis = 1, config.lookahead = 10;
   for (const double seconds : {1.0, 10.0}) {
     ThermalGovernor governor(config, 3);
-    governor.decide({50, 35}, 1);
-    governor.decide({50, 35}, 1);
-    EXPECT_EQ(governor.decide({50, 36}, seconds), seconds == 1) << "46 or 37 in ten seconds";
+    governor.choose_next_clock({50, 35}, 1);
+    governor.choose_next_clock({50, 35}, 1);
+    EXPECT_EQ(governor.choose_next_clock({50, 36}, seconds), seconds == 1) << "46 or 37 in ten seconds";
   }
 }
 
