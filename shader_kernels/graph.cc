@@ -130,7 +130,8 @@ class Fuser {
   }
 
  private:
-  /// Identifies a record that a kernel accesses: its memory, and the graph nodes that compute its index.
+  /// Identifies a record that a kernel accesses: the memory that contains the record, and the graph nodes that compute
+  /// its index.
   using Address = std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint32_t>;
   struct Record {
     std::uint32_t load = kNone;   ///< node whose load reads the record

@@ -86,7 +86,7 @@ struct Weights {
   Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
     return a * first + b * second + c * third;
   }
-  /// Interpolates the integer values at a triangle's corners, which are converted to floats first.
+  /// Converts the integer values at a triangle's corners to floats and interpolates them.
   F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
     return interpolate(to_float(a), to_float(b), to_float(c));
   }

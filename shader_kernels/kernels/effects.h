@@ -246,8 +246,8 @@ struct SelectEffects {
   }
 };
 
-/// Clears a sample's stored light and visible fraction of one light source, before the effect rays to it are traced.
-/// One launch per light source.
+/// Clears a sample's stored light and visible fraction of one light source, before the effect rays to this light source
+/// are traced. One launch per light source.
 struct ClearEffects {
   static constexpr std::string_view kName = "clear_effects";
   static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";

@@ -249,7 +249,8 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
-/// Fetches a surface without texture details and records its normal and depth, which the upsampling filter compares.
+/// Fetches a surface without texture details. Records its normal and depth, so that the upsampling filter can compare
+/// them.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
   static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(

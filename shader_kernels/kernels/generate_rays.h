@@ -91,7 +91,8 @@ struct GenerateJitteredRays {
   }
 };
 
-/// Number of samples per pixel in the program reconstruct; also the number of rows of their grid.
+/// Number of samples per pixel in the program reconstruct; also the number of rows of the grid on which they are
+/// placed.
 inline constexpr std::uint32_t kGeometrySamples = 4;
 
 /// Returns the grid column of sample k of four in a pixel: row k of 4 x 4 cells has its sample in column (2 k + 1) mod

@@ -113,7 +113,7 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
 
 /// Tests how much light of a shadow ray passes a transparent surface, and continues the ray if enough does. A mask
 /// passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies the light by its transmission and base
-/// colour. It does not bend the ray, which would then miss the light source.
+/// colour. Refraction is ignored, because a bent ray would miss the light source.
 template <bool kColoured, bool kInstanced>
 struct TestShadow {
   static constexpr std::string_view kName =

@@ -54,8 +54,8 @@ M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
 }
 
-/// Runs kernel K over the list of all surfaces, but lights only those that can be lit immediately. K alone runs over
-/// the list of diffuse surfaces.
+/// Kernel that runs kernel K over the list of all surfaces, but lights only surfaces that can be lit immediately.
+/// Without this wrapper K runs over the list of diffuse surfaces.
 template <class K>
 struct ImmediateLit {
   using Of = K;

@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-/// Averages the samples of a pixel. Each sample is added to a running sum, which the pixel's last sample divides by
-/// their number.
+/// Averages the samples of a pixel. Each sample is added to a running sum. The pixel's last sample divides the sum by
+/// the number of samples.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";

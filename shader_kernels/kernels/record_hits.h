@@ -91,8 +91,8 @@ struct ClearSurface {
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// Port of the records that contain the object id of a hit: the triangles, which the intersection unit has just read,
-/// or with kInstanced the instances.
+/// Port of the records from which a hit's object id is loaded: triangles, or with kInstanced instances. The
+/// intersection unit has just read the hit's triangle.
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 

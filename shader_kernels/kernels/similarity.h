@@ -97,7 +97,7 @@ PassedSample<V> unpack_passed_sample(const I<V>& word, const LineUniforms<V>& li
 }
 
 /// Runs interpolation kernel K over all samples instead of the list of those that passed. Samples that failed are
-/// traced afterwards, which overwrites them.
+/// traced afterwards, and tracing overwrites their interpolated values.
 template <bool kAlongY, class K>
 struct InterpolateAll {
   using Of = K;

@@ -44,7 +44,8 @@ inline constexpr float kNever = 4.0F;
 
 /// Number of active sub-pixels that are sampled together (a chunk).
 inline constexpr std::uint32_t kChunk = 64;
-/// Number of samples of an active sub-pixel; number in a pixel whose four sub-pixels are active; side of their grid.
+/// Number of samples of an active sub-pixel; number of samples of a pixel whose four sub-pixels are all active; side of
+/// the grid of the pixel's samples.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
 /// The pixels whose final colours a tile computes (finished pixels), row by row. The samples at their centres begin at
@@ -426,7 +427,8 @@ SubpixelRecord<V> pack_state(const Vec3<V>& colour, const I<V>& cause) {
   return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | cause};
 }
 
-/// Stores the mean colour of an active sub-pixel's four samples in its state, which rounds of propagation read.
+/// Stores the mean colour of an active sub-pixel's four samples in the sub-pixel's state, for later rounds of
+/// propagation.
 struct SettleSubpixels {
   static constexpr std::string_view kName = "settle_subpixels";
   static constexpr std::string_view kMeaning = "listed sub-pixel, its four samples -> its colour and state";

@@ -71,8 +71,8 @@ struct PowerConfig {
   }
 };
 
-/// Factors that are applied to the energies of a block from the energy table. Energies of external
-/// devices (DRAM) are not scaled.
+/// Factors that are applied to the energies of a block from the energy table. Energies of external devices (DRAM) are
+/// not scaled.
 struct PowerScale {
   double dynamic = 1, leakage = 1;
 };

@@ -94,7 +94,8 @@ struct Canvas {
   }
 };
 
-/// Colours samples by their origin: interpolated, traced, post-correction or reference.
+/// Returns a debug picture in which the colour of a sample shows its origin: interpolated, traced, post-correction or
+/// reference.
 DebugPicture similar_picture(const Canvas& canvas) {
   return canvas.paint_samples("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
     if ((mark & kernels::kReferenceMark) != 0) return kGrey;

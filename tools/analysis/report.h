@@ -47,8 +47,8 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns for each tile, row by row, the share of its checked samples that were similar, and the side in samples of
-/// its sample blocks.
+/// Returns for each tile, row by row, the share of its checked samples that were similar, and the side of its blocks in
+/// samples.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
 /// Time, rays and frames of a run, by which efficiency figures divide its energy.

@@ -132,7 +132,7 @@ std::string kind_of(const std::string& name, const Json& siblings) {
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
 }
 
-/// Sums the numbers of all units of the same kind, from the tree `units` of a report.
+/// Sums the numbers of all units of the same kind in the tree `units` of a report.
 class Sums {
  public:
   void add(const Json& node, const std::string& kind, int depth) {
@@ -214,8 +214,8 @@ struct PathCandidates {
   std::vector<std::string> group, several;
 };
 
-/// Returns ", did you mean 'x'?" for a mistyped report path: the most similar end of a path that starts with `start`.
-/// Bands (low, nominal, high) can also be suggested by name.
+/// Returns ", did you mean 'x'?" for a mistyped report path, or an empty text. Candidates are the ends of those paths
+/// that start with `start`. A band (low, nominal, high) is also a candidate under its own name.
 std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;

@@ -61,7 +61,7 @@ std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
 /// True for a report path in `totals`.
 bool is_totals_path(std::string_view path);
-/// Returns the short form of a report path, which users may type: without a leading "totals.".
+/// Returns a report path without a leading "totals.", as users may type it.
 std::string metric_name(std::string_view path);
 
 /// Returns the report path that `text` denotes: `text` itself, "totals." plus `text`, or the only path that ends in

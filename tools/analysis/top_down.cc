@@ -394,8 +394,8 @@ namespace {
 constexpr double kRegistersInUse = 2.0 / 3;
 /// Largest share of time in which a DRAM data bus can transfer data.
 constexpr double kBusAtBest = 0.9;
-/// Share of the time in which a DRAM channel is busy without data, for example with row commands, that other requests
-/// cannot hide.
+/// Of the time in which a DRAM channel is busy without data, such as row commands, the share that other requests cannot
+/// hide.
 constexpr double kBusyWeight = 1.0 / 3;
 /// Largest share of time in which the wires of a port can be in use, because requests come in bursts.
 constexpr double kPortAtBest = 0.7;

@@ -14,7 +14,8 @@ namespace tools {
 
 /// Adds the options shared by all verbs that render. `positional`: the configuration is a positional argument.
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
-/// Adds --rays, which excludes the options of a rendered run. Call it after these options have been added.
+/// Adds the option --rays. It excludes the options of a rendered run, so call this function after these options have
+/// been added.
 void add_rays_option(CLI::App& verb, JobOptions& options);
 void add_timeline_option(CLI::App& verb, JobOptions& options);
 void add_reference_option(CLI::App& verb, JobOptions& options);
@@ -40,7 +41,7 @@ void add_progress_option(CLI::App& verb, std::string& progress);
 /// Makes all options of all existing verbs reject empty values, which usually come from unset variables. --set has a
 /// check of its own.
 void refuse_empty_values(CLI::App& app);
-/// Makes an option reject negative numbers, which CLI11 reads as large unsigned ones.
+/// Makes an option reject negative numbers. CLI11 would read them as large unsigned numbers.
 void refuse_negative(CLI::Option& option);
 /// Makes an option reject values that are not finite numbers above 0.
 void require_positive(CLI::Option& option);

@@ -37,7 +37,8 @@
 namespace tools {
 namespace {
 
-/// Returns one line on a configuration file: its `question`, or the first sentence of the comment at its start.
+/// Returns one line on a configuration file: the value of its key `question`, or the first sentence of the comment at
+/// its start.
 std::string description_line(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";

@@ -119,7 +119,8 @@ void check_result_names(const fs::path& folder) {
   if (failed) throw sim::InputError(fmt::format("{}: cannot be read ({})", folder.string(), failed.message()));
 }
 
-/// Moves the results from `from` to `to`, which also contains other files, and removes former results there.
+/// Moves the results from the folder `from` to the folder `to`, and removes former results there. Other files in `to`
+/// stay.
 std::error_code move_results(const fs::path& from, const fs::path& to, const std::vector<fs::path>& former) {
   std::vector<fs::path> results;
   for (const fs::directory_entry& entry : fs::directory_iterator(from)) results.push_back(entry.path().filename());
@@ -151,7 +152,7 @@ std::error_code exchange_folders(const fs::path& a, const fs::path& b) {
   return error;
 }
 
-/// Copies permissions and group of the folder `former`, which will be replaced, to `folder`.
+/// Copies permissions and group of the folder `former` to `folder`, which will replace it.
 void copy_permissions(const fs::path& folder, const fs::path& former) {
   struct stat about {};
   if (::stat(former.c_str(), &about) != 0) return;
@@ -160,8 +161,8 @@ void copy_permissions(const fs::path& folder, const fs::path& former) {
   ::chmod(folder.c_str(), about.st_mode & 07777U);
 }
 
-/// True if the folder is the working directory. It is not replaced, because the user's shell would be left in a deleted
-/// folder.
+/// True if the folder is the working directory. Such a folder is not replaced, because the user's shell would be left
+/// in a deleted folder.
 bool is_working_directory(const fs::path& folder) {
   std::error_code ignored;
   return fs::equivalent(folder, fs::current_path(ignored), ignored);

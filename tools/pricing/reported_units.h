@@ -11,7 +11,7 @@ namespace tools {
 /// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
 RunConfig reported_config(const ReportFile& report);
 
-/// Counts of all units in a report, which can be copied into the units of a machine that has not run.
+/// Counts of all units in a report. They can be copied into the units of a machine that has not run.
 class ReportedCounts {
  public:
   /// Throws InputError if the report has no counts.
@@ -20,7 +20,7 @@ class ReportedCounts {
   /// counts do not match the units.
   void fill(std::vector<sim::UnitReport>& units) const;
   bool has_rasteriser() const;
-  /// Throws InputError, which states that another model made the report, with the reason `why`.
+  /// Throws InputError with the reason `why`: another model made the report.
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:

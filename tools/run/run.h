@@ -64,7 +64,7 @@ struct RunResult {
   /// Marks the run as partial if an interrupt has left this frame with fewer than `replicates` simulations or without
   /// its reference.
   void set_missing_parts(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
-  /// Returns a text on how much of the run, which has `all` frames, was finished before an interrupt.
+  /// Returns a text on how much of a run of `all` frames was finished before an interrupt.
   std::string finished_part_text(std::size_t all) const;
 };
 
@@ -72,7 +72,8 @@ struct RunResult {
 /// has, one more than a complete result has, or 1 if there is none. `file`: report.json or verify.json.
 std::size_t min_frames_to_replace(const std::filesystem::path& file);
 
-/// Prints the `warnings` of a report to stderr, except the first `already_printed`, which were printed before.
+/// Prints the `warnings` of a report to stderr. Skips the first `already_printed` warnings, because they were printed
+/// before.
 void print_warnings(const sim::Json& report, std::size_t already_printed);
 
 /// Writes report.json, report.txt, config.yaml and, if present, intervals and tiles.json to a folder.
@@ -88,7 +89,7 @@ struct Origin {
 /// Writes the report of the reference program into the run's folder, if there is a reference.
 void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
 
-/// Prints the location of the reference's report and the command that compares both.
+/// Prints where the reference's report is, and the command that compares the run with its reference.
 void print_reference_location(const std::filesystem::path& folder);
 
 /// Source of the frames of a run: rendered from a scene, read from a trace, or joined from slices. Frames are visited
@@ -132,7 +133,8 @@ class RenderedFrames final : public PosedFrames {
  public:
   /// Throws InputError if the frames cannot be split into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
-  /// Returns the number of slices per frame, which are simulated concurrently; 1 if frames are not split.
+  /// Returns the number of slices into which each frame is split; slices are simulated concurrently. 1 if frames are
+  /// not split.
   std::uint32_t slices() const { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole_frames() != nullptr && plan_.whole_frames()->reference; }

@@ -63,7 +63,7 @@ class SharedFrame {
   std::uint32_t tiles_ = 0;
 };
 
-/// View of a shared frame for one slice, which commits only the slice's own tiles. Throws Interrupted.
+/// View of a shared frame for one slice. It commits only the tiles of the slice. Throws Interrupted.
 class SliceProgram final : public kernels::FrameProgram {
  public:
   SliceProgram(SharedFrame& frame, const Slice& slice) : FrameProgram(0, 0), frame_(frame), slice_(slice) {}

@@ -58,8 +58,8 @@ struct SlicePart {
 /// are left out.
 sim::Json slice_json(const SlicePart& part);
 
-/// Parses the results of a slice. `initial_state`: reports of the same machine before its first cycle, which supply the
-/// names of units. Throws InputError if the JSON does not match the machine.
+/// Parses the results of a slice. `initial_state`: reports of the same machine before its first cycle, from which the
+/// names of units are copied. Throws InputError if the JSON does not match the machine.
 SlicePart read_slice(const sim::Json& json, MachineSpan initial_state);
 
 /// Special number of slices: the number is chosen automatically, from the frame and the machine.

@@ -284,7 +284,7 @@ struct Estimates {
   }
 };
 
-/// Returns the results of a run of all tiles, which are exact.
+/// Returns the results of a run in which all tiles were simulated. They have no sampling error.
 Estimates exact_estimates(const SampledRun& run) {
   return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}};
 }

@@ -236,8 +236,8 @@ class TileWeights {
     set(kDramWrites, account.dram_writes);
     set(kActivates, account.activates);
   }
-  /// Adds to each tile's weights the operations of its kernels, and its accesses to the tile buffer by kernels, rays,
-  /// hits and transfers.
+  /// Adds to each tile's amounts of work: the operations of its kernels, and the accesses to the tile buffer by
+  /// kernels, rays, hits and transfers.
   void add_kernels(const FrameResult& s) {
     constexpr double kAccess = 16;          // bytes per access to the tile buffer
     std::vector<std::vector<double>> item;  // counters for one item of each kernel
@@ -409,8 +409,9 @@ class Builder {
     add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
     add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
   }
-  /// Returns for each entry of the tile list the entry of the same tile in the first pass, which has the tile's
-  /// position. A later pass over the frame numbers its tiles after those of the previous pass, in the same order.
+  /// Returns for each entry of the tile list the entry in the first pass that renders the same tile. Only entries of
+  /// the first pass have the tile's position. A later pass over the frame numbers its tiles after those of the previous
+  /// pass, in the same order.
   std::vector<const kernels::TileSummary*> first_passes() const {
     std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;

@@ -463,8 +463,8 @@ void TimelineRecorder::on_event(const hw::Event& event) {
              event);
 }
 
-/// Returns the entry of the tile list that a tag belongs to. A tag is the index of the entry modulo 2^15, so it is
-/// looked up among the tiles in flight on the core, whose tags differ.
+/// Returns the entry of the tile list that a tag belongs to. A tag is the index of the entry modulo 2^15. It is looked
+/// up among the tiles in flight on the core, because their tags differ.
 std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) const {
   const auto slot = std::ranges::find(slots_[core], tile, &Slot::owner);
   return slot == slots_[core].end() ? RecordedSlice::kNoEntry : slot->entry;

@@ -129,7 +129,7 @@ class TimelineJob {
   explicit TimelineJob(std::string text);
 
   const std::optional<TimelineSelection>& tile_selection() const { return selection_; }
-  /// Throws InputError if the picture of the current frame of `inputs` does not have the selected tile or pixel.
+  /// Throws InputError if the selected tile or pixel is outside the picture of the current frame of `inputs`.
   void check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const;
   /// Returns the observer of the next frame's machine; null from the second frame on.
   hw::Observer* begin_frame(const RunConfig& config);

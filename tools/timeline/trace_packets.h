@@ -88,7 +88,7 @@ inline void add_texts(Writer& interned, Tag tag, const InternedTexts& texts) {
 /// Serialised packets of a Perfetto trace. Times are in nanoseconds, rounded down.
 class TracePackets {
  public:
-  /// Adds a Perfetto process for a part of the machine; it is the parent of that part's tracks.
+  /// Adds a Perfetto process for a part of the machine. The tracks of this part are children of the process.
   void add_process(std::uint64_t id, std::string_view name, std::int32_t rank) {
     add_packet([&](Writer& packet) {
       Writer track(packet, Packet::kTrackDescriptor);

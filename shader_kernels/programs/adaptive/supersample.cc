@@ -241,8 +241,8 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Samples the active sub-pixels, which launch `tested` found, and adds them to the pixel sums of launch `weighing`.
-/// Returns the launch that completes the tile's pixels.
+/// Samples the active sub-pixels that launch `tested` found, and adds the samples to the pixel sums of launch
+/// `weighing`. Returns the launch that completes the tile's pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active_subpixels(Tile& tile, Node tested, Node weighing) const {
   std::vector<Chunk> chunks;
   const Node packed = list_active_subpixels(tile, tested, chunks);
@@ -419,8 +419,8 @@ SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile,
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighing);
 }
 
-/// Completes the listed pixels by adding the samples of their active sub-pixels. `first_index`: index in the list of
-/// the active sub-pixel to which the first stored colours belong.
+/// Completes the listed pixels by adding the samples of their active sub-pixels. `first_index`: position in the list of
+/// active sub-pixels of the one to which the first stored colours belong.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
                                                          Node weighing) const {

@@ -160,7 +160,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   tile.finish();
 }
 
-/// Checks samples for similarity. Checks that nothing in the scene or tile can fail are omitted.
+/// Checks samples for similarity. Similarity checks that no sample of the scene or tile can fail are omitted.
 Verdict UndersampleProgram::check_samples(BlockTile& tile, const BlockLines& lines) const {
   const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
   const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
@@ -203,7 +203,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
   }
 }
 
-/// Launches kernel K, which stores the samples' identity words, and writes these words to memory.
+/// Launches kernel K, which stores the samples' identity words in the tile buffer, then writes these words to memory.
 template <class K>
 Wavefront::Node UndersampleProgram::store_identity_words(BlockTile& tile) const {
   typename K::template Ports<float> ports;

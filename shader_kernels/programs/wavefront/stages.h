@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Which geometry reconstruct keeps of a wave's samples, and which rays find it.
+/// Which geometry the program reconstruct keeps of a wave's samples, and which rays find this geometry.
 struct VisibleSamples {
   bool are_kept = false;
   bool are_shaded = true;    ///< hits of these samples are shaded, not only found
@@ -34,7 +34,7 @@ struct LowRateEffects {
   GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
-/// Which records a wave's samples keep of their hits, in addition to the colour.
+/// Which records of hits a wave keeps for its samples, in addition to the colours.
 struct RetainedRecords {
   bool geometry = false, surfaces = false;  ///< keep the geometry of the first hit, or all its data that shading needs
   bool secondary = false;
@@ -124,7 +124,7 @@ struct WaveStage {
   constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
 };
 
-/// A kernel that emits rays of the next wave, as a row of the table of such kernels.
+/// Row of the table of kernels that emit rays of the next wave.
 struct SpawnStage {
   SlotQueue StageQueues::*queue;
   Launch launch;

@@ -60,7 +60,7 @@ struct HitSurfaces {
   std::vector<TangentRecord<float>> tangents;
 };
 
-/// Colours of a tile's samples, and records of their hits.
+/// Colours of a tile's samples, and records of what their rays hit.
 struct SampleRecords {
   std::vector<ColourRecord<float>> colours;
   std::vector<GeometryRecord<float>> geometry;
@@ -77,7 +77,7 @@ struct CheckRecords {
   SampleQueue passed, failed;
 };
 
-/// Records that supersample keeps of samples and sub-pixels.
+/// Data that the program supersample keeps of samples and sub-pixels.
 struct SubpixelRecords {
   std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< data of first and secondary hits to compare
   std::vector<BranchRecord<float>> branches;
@@ -88,7 +88,7 @@ struct SubpixelRecords {
   std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels, kept for rounds of propagation
 };
 
-/// Records that filters read: those of reconstruct, and of effects that are traced at only some pixels.
+/// Data that filters read: the records of reconstruct, and those of effects that are traced at only some pixels.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
   std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples (UpsampledProgram)

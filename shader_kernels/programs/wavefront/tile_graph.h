@@ -40,9 +40,9 @@ class StreamBuilder {
   Node add_rasterisation(std::uint32_t samples, Node launch);
   /// Adds a node that bins triangles to screen regions. The last entry of TileWork::raster describes the binning.
   Node add_binning(std::uint32_t triangles);
-  /// Adds a transfer of samples to memory, which completes border `number` of the tile.
+  /// Adds a transfer of samples to memory. Border `number` of the tile is complete when the transfer has ended.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a transfer of samples from memory, which waits for another tile's border.
+  /// Adds a transfer of samples from memory. The transfer waits until another tile has written its border.
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
   void add_wait(Node node, Node for_node, traces::Edge::Kind kind);
   void finish();
@@ -108,14 +108,14 @@ class TileGraph {
   }
   /// Adds a transfer of border `number` to memory, after all earlier nodes that write records and colours.
   void export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a transfer of another tile's border from memory, which counts as a writer of records and colours.
+  /// Adds a transfer of another tile's border from memory. The transfer counts as a writer of records and colours.
   void import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
 
   /// Encodes the tile's pixels after node `averaged`, and writes them to byte `offset` of the picture.
   void write_pixels(Node averaged, std::uint64_t offset);
   /// Writes pixels that node `packed` has encoded to byte `offset` of the picture.
   void write_packed_pixels(Node packed, std::uint64_t offset);
-  /// Writes linear pixels, which the DMA encodes, to byte `offset` of the picture. Returns the transfer.
+  /// Writes linear pixels to byte `offset` of the picture; the DMA encodes them. Returns the transfer.
   Node write_linear_pixels(std::uint64_t offset);
 
   /// Stops recording: kernels still run on the host, but their work belongs to another tile.

@@ -496,8 +496,8 @@ void Wavefront::record_hits(WaveBounce& bounce) {
   graph_.register_record_writer(bounce.recorded);
 }
 
-/// Records the samples' colours before local lights are added or, with kAfter, afterwards. Later bounces wait for the
-/// launch with kAfter.
+/// Records the samples' colours before local lights are added or, with kAfter, after they were added. Later bounces
+/// wait for the launch with kAfter.
 template <bool kAfter>
 Node Wavefront::record_local_colour(const WaveBounce& bounce, SlotQueue& queue) {
   const StageInput in{.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes};

@@ -309,7 +309,7 @@ const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::strin
   return table.curve_of(kCurve);
 }
 
-/// Throws InputError for an entry of the latency table that no cache uses, which must be a misspelling.
+/// Throws InputError for an entry of the latency table that no cache uses, because its name must be misspelt.
 void check_names(const sim::EnergyTable& table) {
   for (const std::string& name : table.event_names()) {
     if (name == kCurve) continue;

@@ -37,7 +37,7 @@ RunConfig config_at_clocks(const RunConfig& base, const std::vector<std::string>
 /// `ms` milliseconds.
 double chip_leakage_mw(const sim::EnergyReport& energy, double ms);
 
-/// Returns a warning for each clock domain that needs another voltage than that of the energy table, or more than
+/// Returns a warning for each clock domain whose clock needs another voltage than that of the energy table or more than
 /// power.max_voltage, or whose clock is outside its voltage curve.
 std::vector<std::string> power_warnings(const RunConfig& config);
 

@@ -50,7 +50,7 @@ kernels::RenderConfig render_settings_of(const Inputs& inputs, bool is_reference
   return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
 }
 
-/// The frame program of the current frame, with its initial tile rates.
+/// The frame program of the current frame, and the tile rates with which the run's first frame starts.
 struct PreparedProgram {
   PreparedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),

@@ -134,7 +134,7 @@ struct FrameResult {
   void add(const FrameResult& frame);
 };
 
-/// Returns the render settings of a run's reference, which renders all effects at the full rate.
+/// Returns the render settings of a run's reference program, where all effects are rendered at the full rate.
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
 
 /// Returns the number of tiles per row and column of the current frame.
@@ -169,8 +169,8 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
 /// The recorded work of the current frame, for several machines.
 class RecordedFrame {
  public:
-  /// Renders the frame. `inputs` must outlive the object. Throws InputError, which names `requested_by`, if memory runs
-  /// out, and Interrupted.
+  /// Renders the frame. `inputs` must outlive the object. Throws Interrupted, and InputError with the name
+  /// `requested_by` if memory runs out.
   RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& program, const char* requested_by,
                 std::uint32_t threads, Progress* progress = nullptr);
   ~RecordedFrame();

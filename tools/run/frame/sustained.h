@@ -74,7 +74,7 @@ Sustained sustain(const std::vector<SustainStep>& steps, const SustainSetup& set
 /// Returns the steady temperatures at a fixed clock without the governor; none if leakage causes thermal runaway.
 std::optional<sim::Temperatures> steady_temperatures(const SustainStep& step, const SustainSetup& setup);
 
-/// Returns a warning if the slowest clocks end above a temperature limit, which the governor then cannot hold.
+/// Returns a warning if even the slowest clocks exceed a temperature limit, so that the governor cannot hold the limit.
 std::vector<std::string> limit_warnings(const std::vector<SustainStep>& steps, const SustainSetup& setup);
 
 }  // namespace tools

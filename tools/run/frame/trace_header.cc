@@ -129,8 +129,8 @@ Counts reorder_checks(const Counts& counts, bool is_from_file) {
   return out;
 }
 
-/// Throws InputError if a key that is unknown to the program that recorded the trace is not at its default, which
-/// describes the recorded work.
+/// Throws InputError if a key is not at its default although the program that recorded the trace did not have this key.
+/// Only the default describes the recorded work.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
   const sim::JsonPointer id("/made_by/model_id");

@@ -29,7 +29,7 @@ void check_header(const traces::Json& header);
 /// the work. Then --set and --ideal are applied. Throws InputError for a field that would change the recorded work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
 
-/// Throws InputError, which names the first field of `config` that would change the recorded work, if there is one.
+/// Throws InputError with the name of the first field of `config` that would change the recorded work, if there is one.
 void check_recorded(const traces::Json& header, const std::string& file, const RunConfig& config);
 
 }  // namespace tools

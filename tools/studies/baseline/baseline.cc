@@ -162,7 +162,7 @@ std::string check_details(const SuiteCheck& checked) {
 
 constexpr std::size_t kLongest = 1000;
 
-/// Returns text without control characters and invalid UTF-8, which XML does not allow.
+/// Returns text without what XML does not allow: control characters and invalid UTF-8.
 std::string xml_text(const std::string& text) { return sim::printable(text, kLongest); }
 
 /// Returns the failure message of a run for a JUnit file.

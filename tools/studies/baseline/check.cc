@@ -310,8 +310,8 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
 }
 
 /// Returns the reasons that new values cannot be compared with stored ones, such as another scene or program. `was`,
-/// `is`: inputs of the stored and the new run; `embree`: version that built the stored tree. Adds changed keys that do
-/// not prevent a comparison to `keys`.
+/// `is`: inputs of the stored and the new run; `embree`: version that built the stored tree. Adds to `keys` the changed
+/// keys that do not prevent a comparison.
 std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
                                        ChangedKeys& keys) {
   std::vector<std::string> out;

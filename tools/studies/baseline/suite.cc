@@ -191,7 +191,7 @@ class BaselineReader : YamlFile {
   }
 
  private:
-  /// Throws InputError if a text has control characters, because it is printed to terminals.
+  /// Throws InputError if a text has control characters, because the text will be printed to a terminal.
   void check_printable(const std::string& text, sim::TextPosition position) const {
     if (sim::printable(text, std::string::npos) == text) return;
     refuse(position, {}, "holds text that is not printable; allowed: what 'raywatt baseline record' writes");

@@ -34,7 +34,7 @@ struct Suite {
 /// Reads a suite and the configurations of all its runs. Throws InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
 
-/// Inputs of a run, which must be equal for its values to be comparable.
+/// Inputs of a run. Values of two runs are comparable only if these inputs are equal.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
   FlatConfig config;  ///< configuration by key, without the scene's name, because files can be moved

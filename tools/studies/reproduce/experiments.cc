@@ -27,7 +27,7 @@ void add_metrics(Case& c, const std::string& experiment, const std::vector<std::
   for (PaperMetric& metric : metric_list(experiment, metrics)) c.metrics.push_back(std::move(metric));
 }
 
-/// Returns an experiment at the paper's resolution, which is reduced if `quick`.
+/// Returns an experiment at the paper's resolution, or at a reduced one if `quick`.
 Case case_of(const View& view, std::string setting, std::uint32_t width, std::uint32_t height, ProgramSetup run,
              ProgramSetup reference, bool quick) {
   return {.view = view,

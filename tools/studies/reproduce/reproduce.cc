@@ -397,8 +397,8 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures cases until there are more result rows than in `folder`, at least one case. Then replaces the results in
-  /// `folder`, so that no earlier row is lost.
+  /// Measures cases until there are more result rows than an interrupted run has left in `folder`, at least one case.
+  /// Then replaces the results in `folder`, so that no earlier row is lost.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
@@ -502,7 +502,7 @@ class Job {
     }
   }
 
-  /// Returns the header of reproduce.json, which has all inputs of the rows except their cases.
+  /// Returns the header of reproduce.json: all inputs of the result rows except their cases.
   sim::Json header_json() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
