@@ -95,7 +95,7 @@ class Machine {
         report.data_lines = declared.data_lines;
         return report;
       });
-      values_.push_back(values_by<U>(unit));
+      values_.push_back(unit_values_of<U>(unit));
     }
     units_.push_back(std::move(built));
     return unit;
@@ -113,7 +113,7 @@ class Machine {
   template <class Part>
   void report_subunit(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
-    values_.push_back(values_by(part));
+    values_.push_back(unit_values_of(part));
   }
   /// Makes the machine sample the values of all reports into `intervals`, at every interval boundary and at the end.
   /// Call before the start. `intervals` must outlive the machine.
@@ -165,7 +165,7 @@ class Machine {
     std::uint64_t* (*write)(const void*, std::uint64_t*);
   };
   template <class U>
-  static Values values_by(const U& unit) {
+  static Values unit_values_of(const U& unit) {
     return {&unit, [](const void* of, std::uint64_t* out) { return write_values(*static_cast<const U*>(of), out); }};
   }
 

@@ -239,7 +239,7 @@ template <bool kDefault>
   return CycleReason::kVisiting;
 }
 
-bool Trv::end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
+bool Trv::end_box_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   slot.reset_lines();
   if (config_.box_testers == 2) return true;
   slot.switch_to_other_child();
@@ -252,7 +252,7 @@ bool Trv::end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle
 template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const TrvFeatures has = active_features<kDefault>();
-  if (!has.plain && !end_pass(slot, index, cycle)) return;
+  if (!has.plain && !end_box_pass(slot, index, cycle)) return;
   stats_.visits += 1;
   if (slot.is_restarting()) [[unlikely]] {
     stats_.restarted_visits += 1;

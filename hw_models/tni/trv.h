@@ -204,7 +204,7 @@ class Trv {
   void send_leaf(sim::Time now, std::uint32_t index);
   /// Ends a pass of a node visit, which tests the box of one child. Returns false if the visit needs another pass, for
   /// the other child.
-  bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
+  bool end_box_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }

@@ -212,7 +212,7 @@ using CastOcclusionShare = CastAmbient<true>;
 
 /// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays (effects at only some pixels).
 template <class V, bool kCheckerboard>
-I<V> effect_rays_skipped(const I<V>& x, const I<V>& y) {
+I<V> effect_ray_skip_word(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
@@ -240,8 +240,8 @@ struct SelectEffects {
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> slot = io.diffuse.load(item).word;
     const DivMod<V> pixel = div_mod<V>(to_float(io.paths.load(slot).sample), io.grid.pitch, io.grid.inverse_pitch);
-    const I<V> left_out = effect_rays_skipped<V, kCheckerboard>(to_int(io.grid.x0 + pixel.remainder),
-                                                                to_int(io.grid.y0 + pixel.quotient));
+    const I<V> left_out = effect_ray_skip_word<V, kCheckerboard>(to_int(io.grid.x0 + pixel.remainder),
+                                                                 to_int(io.grid.y0 + pixel.quotient));
     io.passed.store(io.passed_count.next_index(left_out == 0U), {slot});
   }
 };

@@ -146,7 +146,7 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
   refuse(asked_at, {}, fmt::format("no configuration file '{}'{}", name.string(), known_files_hint(name, group)));
 }
 
-std::string ConfigLoader::Source::place_of(TextPosition position) const {
+std::string ConfigLoader::Source::location_text(TextPosition position) const {
   return is_file ? fmt::format("{}:{}:{}", name, position.line, position.column) : name;
 }
 
@@ -197,35 +197,36 @@ void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, con
     }
   };
   each_bundle([&](const ConfigNode& node, const YamlNode::Entry& entry) {
-    bundles_.try_emplace(node.path, ChosenBundle{entry.value->scalar, source.place_of(entry.value_at), source.folder});
+    bundles_.try_emplace(node.path,
+                         ChosenBundle{entry.value->scalar, source.location_text(entry.value_at), source.folder});
   });
   const YamlNode::Entry* base = mapping.find(kExtends);
-  if (base != nullptr) apply_extends(group, *base->value, source, source.place_of(base->value_at));
+  if (base != nullptr) apply_extends(group, *base->value, source, source.location_text(base->value_at));
   if (const YamlNode::Entry* scale = mapping.find(kScale); scale != nullptr && group.find_child(kScale) == nullptr) {
     if (base == nullptr) {
-      refuse(source.place_of(scale->key_at), path_of(group, kScale),
+      refuse(source.location_text(scale->key_at), path_of(group, kScale),
              "multiplies figures of the file that is extended; allowed: after 'extends'");
     }
     apply_scale(group, *scale->value, source);
   }
   each_bundle([&](ConfigNode& node, const YamlNode::Entry& entry) {
-    apply_bundle(group, node, *entry.value, source, source.place_of(entry.value_at));
+    apply_bundle(group, node, *entry.value, source, source.location_text(entry.value_at));
   });
   for (const YamlNode::Entry& entry : mapping.entries) {
     if (entry.key == kExtends || (entry.key == kScale && group.find_child(kScale) == nullptr)) continue;
     ConfigNode* node = group.find_child(entry.key);
     const bool fits = &group != &root_ || top_keys_.empty() || std::ranges::count(top_keys_, entry.key) != 0;
     if (node != nullptr && !fits) {
-      refuse(source.place_of(entry.key_at), entry.key,
+      refuse(source.location_text(entry.key_at), entry.key,
              fmt::format("does not belong into such a file; allowed: {}", fmt::join(top_keys_, ", ")));
     }
     if (node == nullptr) {
-      refuse(source.place_of(entry.key_at), path_of(group, entry.key), unknown_key_error(root_, group, entry.key));
+      refuse(source.location_text(entry.key_at), path_of(group, entry.key), unknown_key_error(root_, group, entry.key));
     }
-    node->origin = source.place_of(entry.key_at);
+    node->origin = source.location_text(entry.key_at);
     node->nearness = source.nearness;
     if (!node->bundle.empty() && !is_complete_) continue;
-    apply_value(*node, *entry.value, source, source.place_of(entry.value_at));
+    apply_value(*node, *entry.value, source, source.location_text(entry.value_at));
   }
 }
 
@@ -245,7 +246,7 @@ void ConfigLoader::apply_scale(ConfigNode& group, const YamlNode& scale, const S
     field.path = path_of(group, fmt::format("{}.{}", kScale, entry.key));
     field.target = &factor;
     field.limits = at_least(0);
-    apply_value(field, *entry.value, source, source.place_of(entry.value_at));
+    apply_value(field, *entry.value, source, source.location_text(entry.value_at));
     factors.add(entry.key, factor);
   }
   const std::string unused = factors.apply(group);
@@ -282,7 +283,7 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
   if (node.kind() == FieldKind::kBandMap && is_mapping) {
     for (const YamlNode::Entry& entry : value.entries) {
       ConfigNode field = map_entry(node, entry.key);
-      apply_value(field, *entry.value, source, source.place_of(entry.value_at));
+      apply_value(field, *entry.value, source, source.location_text(entry.value_at));
     }
     return;
   }
@@ -309,11 +310,12 @@ void ConfigLoader::apply_band(const ConfigNode& field, const YamlNode& mapping, 
   for (const YamlNode::Entry& entry : mapping.entries) {
     const std::string path = path_of(field, entry.key);
     const auto part = parts.find(entry.key);
-    if (part == parts.end()) refuse(source.place_of(entry.key_at), path, "unknown key; allowed: low, nominal, high");
+    if (part == parts.end())
+      refuse(source.location_text(entry.key_at), path, "unknown key; allowed: low, nominal, high");
     try {
       *part->second = parse_number(field, entry.value->scalar);
     } catch (const BadValue& bad) {
-      refuse(source.place_of(entry.value_at), path, bad.problem);
+      refuse(source.location_text(entry.value_at), path, bad.problem);
     }
   }
   if (mapping.entries.size() != parts.size()) refuse(at, field.path, "is incomplete; allowed: low, nominal and high");

@@ -46,7 +46,7 @@ class ConfigLoader {
     std::filesystem::path folder;
     std::size_t nearness;  ///< value for ConfigNode::nearness of the fields that the source sets
     bool is_file = true;
-    std::string place_of(TextPosition position) const;
+    std::string location_text(TextPosition position) const;
   };
   /// Value of a bundle field (TreeBuilder::bundle), where it was set, and the folder in which its files are searched
   /// first.

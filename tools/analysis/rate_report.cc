@@ -47,8 +47,9 @@ Json frame_rate_json(const FrameRate& rate) {
                  {"clock_factor", rate.clock_factor}};
   if (rate.slowest) at_fps["slowest_clocks"] = clocks_json(*rate.slowest);
   if (rate.best) at_fps["best_clocks"] = clocks_json(*rate.best);
-  return {
-      {"at_fps", std::move(at_fps)}, {"power_at_fps_w", sim::band_json(rate.power_w)}, {"fps_margin", rate.margin()}};
+  return {{"at_fps", std::move(at_fps)},
+          {"power_at_fps_w", sim::band_json(rate.power_w)},
+          {"fps_margin", rate.rate_margin()}};
 }
 
 void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, const RunConfig& config) {
@@ -67,7 +68,7 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
   add_power(totals["power_at_fps_w"]);
   for (const FrameResult& replicate : run.replicates) {
     const FrameRate rate = frame_rate_of(replicate, slowest_share, config);
-    margins.push_back(rate.margin());
+    margins.push_back(rate.rate_margin());
     add_power(sim::band_json(rate.power_w));
   }
   Json& figures = totals["replicates"]["figures"];

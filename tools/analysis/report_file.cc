@@ -143,7 +143,7 @@ class Sums {
     }
     if (node.contains("elapsed")) add(kind + ".units", 1);
   }
-  Numbers take() { return std::move(numbers_); }
+  Numbers take_sums() { return std::move(numbers_); }
 
  private:
   void add(std::string path, double value) {
@@ -270,7 +270,7 @@ Numbers unit_sums(const Json& report) {
   if (const auto units = report.find("units"); units != report.end() && units->is_object()) {
     sums.add(*units, "units", 0);
   }
-  return sums.take();
+  return sums.take_sums();
 }
 
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {

@@ -208,8 +208,8 @@ void write_walks(const TileWork& work, const Links& links, std::string& out) {
   append_words(work.walk, out);
 }
 
-void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
-  const WorkNode& node = work.nodes[n];
+void write_node(const TileWork& work, std::uint32_t node_index, ByteWriter& to) {
+  const WorkNode& node = work.nodes[node_index];
   to.write_byte(static_cast<std::uint32_t>(node.kind));
   to.write_number(node.items);
   switch (node.kind) {
@@ -235,7 +235,7 @@ void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
   }
   to.write_number(node.inputs.size());
   for (const Edge& edge : node.inputs)
-    to.write_number(std::uint64_t{n - edge.node} << 1 | static_cast<std::uint64_t>(edge.kind));
+    to.write_number(std::uint64_t{node_index - edge.node} << 1 | static_cast<std::uint64_t>(edge.kind));
 }
 
 void write_sources(const TileWork& work, const WorkNode& node, ByteWriter& to) {
@@ -266,12 +266,12 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
 }
 
 /// Decodes on which earlier nodes of the work graph node `n` depends, and how.
-void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
-  WorkNode& node = work.nodes[n];
+void read_inputs(ByteReader& from, std::uint32_t node_index, TileWork& work) {
+  WorkNode& node = work.nodes[node_index];
   for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {
-    const std::uint64_t code = from.read_number(2 * std::uint64_t{n} + 1, "input of a node");
+    const std::uint64_t code = from.read_number(2 * std::uint64_t{node_index} + 1, "input of a node");
     if (code < 2) ByteReader::throw_out_of_range("input of a node");
-    const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
+    const Edge edge{node_index - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
     // If the node maps no items, item i waits for item i of the input, which must exist.
     const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
     if (each && node.items > work.nodes[edge.node].items) ByteReader::throw_out_of_range("input of a node");

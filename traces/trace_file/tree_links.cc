@@ -39,7 +39,7 @@ class Decoder {
         triangles_(std::min<std::uint64_t>(counts.triangles, kMaxTriangles)),
         has_levels_(counts.instances != 0) {}
 
-  Links run(std::uint64_t nodes) {
+  Links decode_nodes(std::uint64_t nodes) {
     links_.nodes.resize(nodes);
     depth_.assign(nodes, 0);
     is_upper_.assign(nodes, false);
@@ -156,7 +156,7 @@ Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCount
   if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size())
     ByteReader::throw_out_of_range("tree: number of nodes");
   if (counts.instances > bytes.size() - 2 * nodes) ByteReader::throw_out_of_range("tree: number of instances");
-  return Decoder(bytes, counts).run(nodes);
+  return Decoder(bytes, counts).decode_nodes(nodes);
 }
 
 }  // namespace traces

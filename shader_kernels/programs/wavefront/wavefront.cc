@@ -139,11 +139,11 @@ std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 /// Makes the seeds of occlusion rays differ from those of soft-shadow rays.
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
-/// Returns point `n` of a set of `count` points that cover the unit square evenly (Hammersley).
-RandomPointUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
+/// Returns point `index` of a set of `count` points that cover the unit square evenly (Hammersley).
+RandomPointUniforms<float> hammersley_point(std::uint32_t index, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
-  for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
-  return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), hash_to_unit_float<float>(mirrored), seed};
+  for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (index >> bit & 1U) << (31 - bit);
+  return {(static_cast<float>(index) + 0.5F) / static_cast<float>(count), hash_to_unit_float<float>(mirrored), seed};
 }
 
 /// Records to which pixels the primary rays of listed samples belong.

@@ -37,7 +37,7 @@ struct ScaledClocks {
   double factor = 1;
   std::vector<double> mhz{}, volt{};
   std::map<std::string, sim::PowerScale> blocks{};
-  sim::PowerScale of(const std::string& block) const {
+  sim::PowerScale power_scale_of(const std::string& block) const {
     const auto found = blocks.find(block);
     return found == blocks.end() ? sim::PowerScale{} : found->second;
   }
@@ -50,7 +50,7 @@ sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, c
     for (const std::string& name : domain.blocks) {
       const auto block = idle.blocks.find(name);  // a machine may have no rasteriser
       if (block == idle.blocks.end()) continue;
-      const sim::PowerScale scale = clocks.of(name);
+      const sim::PowerScale scale = clocks.power_scale_of(name);
       sum += remaining_between_frames(config.power, block->second.leakage * scale.leakage,
                                       block->second.clock * (scale.dynamic * clocks.factor));
     }
@@ -62,7 +62,7 @@ sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, c
 sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks) {
   sim::Band sum;
   for (const auto& [name, block] : energy.blocks) {
-    const sim::PowerScale scale = clocks.of(name);
+    const sim::PowerScale scale = clocks.power_scale_of(name);
     sum += (block.dynamic + block.clock) * scale.dynamic + block.leakage * (scale.leakage / clocks.factor);
     if (name != "dram") continue;
     const auto events = energy.events.find(name);
@@ -100,7 +100,7 @@ class OperatingPoints {
                                [&](const ClockDomain& d) { return curves_.contains(std::string(d.name)); });
   }
 
-  OperatingPoint at(double factor) const {
+  OperatingPoint point_at(double factor) const {
     const ScaledClocks clocks = scaled_clocks(factor);
     const sim::Band idle_mw = chip_idle_mw(config_, idle_, clocks) + memory_mw_;
     return {
@@ -169,9 +169,9 @@ FrameRate evaluate_frame_rate(const RunConfig& config, const FinishedFrames& fra
   const OperatingPoints points(config, frames, idle);
   if (!rate.is_met() || !points.has_curves()) return rate;
   const double least = std::min(1.0, rate.clock_factor);
-  rate.slowest = rate.best = points.at(least);
+  rate.slowest = rate.best = points.point_at(least);
   for (int i = 1; i <= kOperatingPoints; ++i) {
-    OperatingPoint point = points.at(least + (1 - least) * i / kOperatingPoints);
+    OperatingPoint point = points.point_at(least + (1 - least) * i / kOperatingPoints);
     if (point.power_w.nominal < rate.best->power_w.nominal) rate.best = std::move(point);
   }
   return rate;

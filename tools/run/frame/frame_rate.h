@@ -57,7 +57,7 @@ struct FrameRate {
   std::optional<OperatingPoint> best;  ///< operating point of least power between `slowest` and the configured clocks
 
   /// Returns the frame rate of the slowest frame divided by the target rate.
-  double margin() const { return period_ms / slowest_ms; }
+  double rate_margin() const { return period_ms / slowest_ms; }
   double slack_ms() const { return period_ms - slowest_ms; }
   bool is_met() const;
 };

@@ -66,7 +66,7 @@ class Device {
 
   /// Runs frame `number` of the repeated sequence. Returns true when the duration of the run is over.
   bool run_frame(std::size_t number) {
-    const std::size_t step = governor_.step(), index = number % steps_[step].frames.size();
+    const std::size_t step = governor_.clock_step(), index = number % steps_[step].frames.size();
     const SustainFrame& frame = steps_[step].frames[index];
     const double leakage = frame.leakage_w * leakage_factor();
     spend(frame.seconds, {frame.dynamic_j / frame.seconds + leakage, frame.memory_j / frame.seconds},
@@ -101,7 +101,7 @@ class Device {
     result_.energy_j += joules;
     result_.frames += is_frame ? 1 : 0;
     result_.hottest = {std::max(result_.hottest.die, now_.die), std::max(result_.hottest.body, now_.body)};
-    mean_.add(seconds, joules, steps_[governor_.step()].factor, is_frame);
+    mean_.add(seconds, joules, steps_[governor_.clock_step()].factor, is_frame);
   }
 
   const std::vector<SustainStep>& steps_;

@@ -17,7 +17,7 @@ namespace tools {
 namespace {
 
 /// Returns the process node without blanks: "14nm" for "14 nm, 0.80 V, 75 C".
-std::string node_of(std::string process) {
+std::string process_node_name(std::string process) {
   std::erase(process, ' ');
   return process.substr(0, process.find(','));
 }
@@ -30,14 +30,16 @@ std::vector<std::string> process_warnings(const RunConfig& config) {
   if (!config.power.dvfs.empty()) tables.emplace_back("power", config.power.process);
   if (uses_latency_table(config)) tables.emplace_back("latency", config.latency.process);
   std::erase_if(tables, [](const auto& table) { return table.second == sim::EnergyConfig().process; });
-  const auto differs = [&](const auto& table) { return node_of(table.second) != node_of(tables.front().second); };
+  const auto differs = [&](const auto& table) {
+    return process_node_name(table.second) != process_node_name(tables.front().second);
+  };
   if (std::ranges::none_of(tables, differs)) return {};
   std::vector<std::string> texts;
   for (const auto& [name, process] : tables) {
     texts.push_back(fmt::format("{}.process is '{}'", name, sim::printable(process)));
   }
   return {fmt::format("process: {}: results mix processes; process={} sets all tables", fmt::join(texts, ", "),
-                      sim::printable(node_of(tables.front().second)))};
+                      sim::printable(process_node_name(tables.front().second)))};
 }
 
 std::vector<std::string> technology_table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {

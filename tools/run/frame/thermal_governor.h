@@ -19,7 +19,7 @@ class ThermalGovernor {
   ThermalGovernor(const sim::ThermalConfig& config, std::size_t steps)
       : config_(config), steps_(steps), before_{config.ambient, config.ambient} {}
 
-  std::size_t step() const { return step_; }
+  std::size_t clock_step() const { return step_; }
 
   /// Chooses the next clock from the temperatures `seconds` after the last decision. Returns true if the clock changes.
   bool choose_next_clock(const sim::Temperatures& now, double seconds) {

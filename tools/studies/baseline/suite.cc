@@ -44,11 +44,11 @@ class YamlFile {
   explicit YamlFile(const std::filesystem::path& file) : file_(file) {}
 
  protected:
-  std::string place_of(sim::TextPosition position) const {
+  std::string location_text(sim::TextPosition position) const {
     return fmt::format("{}:{}:{}", file_.string(), position.line, position.column);
   }
   [[noreturn]] void refuse(sim::TextPosition position, const std::string& key, const std::string& problem) const {
-    sim::refuse(place_of(position), key, problem);
+    sim::refuse(location_text(position), key, problem);
   }
   const std::string& text_of(const Entry& entry) const {
     if (entry.value->kind != Kind::kScalar) refuse(entry.value_at, entry.key, "must be a plain value");
@@ -84,7 +84,7 @@ class SuiteReader : YamlFile {
         suite.values = file_.parent_path() / text_of(entry);
       } else if (entry.key == "keep") {
         for (const Entry& kept : entries_of(entry))
-          suite.kept.push_back({kept.key, percent_of(kept), place_of(kept.key_at)});
+          suite.kept.push_back({kept.key, percent_of(kept), location_text(kept.key_at)});
       } else if (entry.key == "defaults") {
         read_run_keys(entry, defaults.options);
       } else if (entry.key == "runs") {

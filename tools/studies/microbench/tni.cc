@@ -365,7 +365,7 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
 
 /// Measures early exits of triangle tests in a scene. Adds to `found` their number and the cycles and energy that they
 /// save.
-void add_scene(const JobOptions& job, Findings& found) {
+void add_scene_measurements(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);
   const Exits measured = exits_from_counters(simulate_frame(inputs, spec, 1).units),
@@ -411,7 +411,7 @@ Benchmark early_exit_benchmark() {
         job.resolution = benchmark.resolution;
         Findings found{"intersection unit", {}};
         add_exit_measurements(machine_without_ideals(job), found);
-        add_scene(job, found);
+        add_scene_measurements(job, found);
         return found;
       }};
 }

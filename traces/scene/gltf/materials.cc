@@ -120,7 +120,7 @@ TexturePlacement read_placement(const Context& context, int set, const tinygltf:
   return placement;
 }
 
-bool Placements::is_second(Context& context, const TexturePlacement& placement, const std::string& material) {
+bool Placements::uses_second_uv_set(Context& context, const TexturePlacement& placement, const std::string& material) {
   const auto found = std::ranges::find(list_, placement);
   if (found != list_.end()) return found != list_.begin();
   if (list_.size() == 2) {
@@ -248,7 +248,7 @@ class Reader {
   Material read_material() {
     out_.name = sim::printable(from_.name);
     out_.double_sided = from_.doubleSided;
-    read_base();
+    read_base_colour();
     read_alpha();
     const bool unlit = from_.extensions.contains("KHR_materials_unlit");
     if (unlit) {
@@ -279,11 +279,11 @@ class Reader {
     result.texture = textures_.find_or_add(info.index, srgb);
     if (!result.is_used()) return result;
     const TexturePlacement placement = read_placement(context_, info.texCoord, info.extensions);
-    result.second_uv = placements_.is_second(context_, placement, fmt::format("{} '{}'", what_, out_.name));
+    result.second_uv = placements_.uses_second_uv_set(context_, placement, fmt::format("{} '{}'", what_, out_.name));
     return result;
   }
 
-  void read_base() {
+  void read_base_colour() {
     const tinygltf::PbrMetallicRoughness& pbr = from_.pbrMetallicRoughness;
     const glm::vec4 base =
         glm::clamp(to_vec4(context_, pbr.baseColorFactor, glm::vec4(1), what_ + " baseColorFactor"), 0.0F, 1.0F);

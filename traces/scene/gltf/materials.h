@@ -57,7 +57,7 @@ class Placements {
  public:
   /// True if a texture with this placement uses the second coordinates. A third placement adds a warning that names the
   /// material, and uses the first coordinates.
-  bool is_second(Context& context, const TexturePlacement& placement, const std::string& material);
+  bool uses_second_uv_set(Context& context, const TexturePlacement& placement, const std::string& material);
 
   const std::vector<TexturePlacement>& all_placements() const { return list_; }
 

@@ -48,7 +48,7 @@ struct Influences {
     weights[least] = weight;
     joints[static_cast<std::size_t>(least)] = joint;
   }
-  void make_whole() {
+  void normalise_weights() {
     const float sum = weights.x + weights.y + weights.z + weights.w;
     weights = sum > 0 ? weights / sum : glm::vec4(1, 0, 0, 0);
   }
@@ -96,7 +96,7 @@ void read_joints(Context& context, const tinygltf::Primitive& primitive, int ski
     context.add_warning(fmt::format("mesh '{}': only the four largest weights of a vertex count", mesh.name));
   out.skin = static_cast<std::uint32_t>(skin);
   for (const std::uint32_t i : from) {
-    influences[i].make_whole();
+    influences[i].normalise_weights();
     out.joints.push_back(influences[i].joints);
     out.weights.push_back(influences[i].weights);
   }

@@ -60,7 +60,7 @@ TEST(FrameRate, OfAFrameThatTakesNoTimeIsTheIdlePower) {
 TEST(FrameRate, OfFramesWithoutIdleTimeIsThePowerOfTheRun) {
   const FrameRate rate = rate_of(config_with({"frame.fps=50"}), joules_of("tni", 0.03, 0.01), 20);
   EXPECT_TRUE(rate.is_met());
-  EXPECT_DOUBLE_EQ(rate.margin(), 1);
+  EXPECT_DOUBLE_EQ(rate.rate_margin(), 1);
   EXPECT_DOUBLE_EQ(rate.slack_ms(), 0);
   EXPECT_DOUBLE_EQ(rate.busy, 1);
   EXPECT_DOUBLE_EQ(rate.power_w.nominal, 0.04 / 20e-3);
@@ -70,7 +70,7 @@ TEST(FrameRate, OfFramesWithoutIdleTimeIsThePowerOfTheRun) {
 TEST(FrameRate, OfFramesOfHalfAPeriodHasHalfOfTheIdlePower) {
   const FrameRate rate = rate_of(config_with({"frame.fps=100"}), joules_of("srp", 0.01, 0), 15, 3);
   EXPECT_DOUBLE_EQ(rate.busy, 0.5);
-  EXPECT_DOUBLE_EQ(rate.margin(), 2);
+  EXPECT_DOUBLE_EQ(rate.rate_margin(), 2);
   EXPECT_DOUBLE_EQ(rate.slack_ms(), 5);
   EXPECT_NEAR(rate.power_w.nominal, 100 * 0.01 / 3 + rate.idle_mw.nominal / 2000, 1e-12);
 }
@@ -78,7 +78,7 @@ TEST(FrameRate, OfFramesOfHalfAPeriodHasHalfOfTheIdlePower) {
 TEST(FrameRate, IsMetOnlyIfTheSlowestFrameMeetsIt) {
   const FrameRate rate = rate_of(config_with({"frame.fps=100"}), joules_of("tni", 0.01, 0), 15, 3, 11);
   EXPECT_FALSE(rate.is_met());
-  EXPECT_DOUBLE_EQ(rate.margin(), 10.0 / 11);
+  EXPECT_DOUBLE_EQ(rate.rate_margin(), 10.0 / 11);
   EXPECT_DOUBLE_EQ(rate.clock_factor, 1.1);
   EXPECT_FALSE(rate.slowest.has_value());
 }

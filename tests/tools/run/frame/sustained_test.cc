@@ -150,7 +150,7 @@ TEST(ThermalGovernor, StepsDownAboveTheDiesLimitUnlessItCoolsAndUpBelowBoth) {
   EXPECT_FALSE(governor.choose_next_clock({50, 30}, 1)) << "the fastest already";
   EXPECT_TRUE(governor.choose_next_clock({91, 30}, 1));
   EXPECT_TRUE(governor.choose_next_clock({91, 30}, 1)) << "not cooler yet";
-  EXPECT_EQ(governor.step(), 2U);
+  EXPECT_EQ(governor.clock_step(), 2U);
   EXPECT_FALSE(governor.choose_next_clock({92, 30}, 1)) << "the slowest already";
   EXPECT_FALSE(governor.choose_next_clock({90.5, 30}, 1)) << "cooling";
   EXPECT_FALSE(governor.choose_next_clock({89.5, 30}, 1)) << "within the hysteresis";
