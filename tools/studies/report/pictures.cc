@@ -144,7 +144,7 @@ std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles
   return values;
 }
 
-Json page_numbers(const std::vector<double>& values) {
+Json rounded_for_page(const std::vector<double>& values) {
   Json out = Json::array();
   for (const double value : values) out.push_back(page_number(value));
   return out;
@@ -190,7 +190,8 @@ Json tile_times_json(const TileGrid& grid, const TileFrame& tiles, double us_per
     last[tile] = std::max(last[tile], end[i] * us_per_cycle);
     cores[tile] = core[i];
   }
-  return {{"side", grid.side}, {"begin_us", page_numbers(first)}, {"end_us", page_numbers(last)}, {"core", cores}};
+  return {
+      {"side", grid.side}, {"begin_us", rounded_for_page(first)}, {"end_us", rounded_for_page(last)}, {"core", cores}};
 }
 
 void add_tiles(const ReportFile& report, Overlays& out) {
@@ -205,7 +206,7 @@ void add_tiles(const ReportFile& report, Overlays& out) {
                          {"name", metric.words},
                          {"tile", grid.side},
                          {"unit", metric.unit},
-                         {"values", page_numbers(values)},
+                         {"values", rounded_for_page(values)},
                          {"low", 0},
                          {"high", most > 0 ? most : 1}});
   }

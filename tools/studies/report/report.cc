@@ -169,12 +169,12 @@ Json series_json(const ReportFile& report) {
       all.push_back({{"group", series.group},
                      {"name", series.name},
                      {"unit", series.unit},
-                     {"values", page_numbers(series.values)}});
+                     {"values", rounded_for_page(series.values)}});
     }
     if (all.empty()) throw sim::InputError("nothing happened in any interval");
     return {{"note", intervals.frames().size() > 1 ? "Of the first frame." : ""},
-            {"begin_us", page_numbers(table.begin_us)},
-            {"end_us", page_numbers(table.end_us)},
+            {"begin_us", rounded_for_page(table.begin_us)},
+            {"end_us", rounded_for_page(table.end_us)},
             {"all", std::move(all)}};
   } catch (const sim::InputError& error) {
     print_message("warning: {}; the page shows no metrics over time", error.what());
@@ -278,8 +278,8 @@ void add_tile_differences(const Difference& d, Json& grids, std::string& note) {
                        {"name", metric.words},
                        {"tile", grid_a.side},
                        {"unit", metric.unit},
-                       {"values", page_numbers(difference)},
-                       {"of", {page_numbers(of_a), page_numbers(of_b)}},
+                       {"values", rounded_for_page(difference)},
+                       {"of", {rounded_for_page(of_a), rounded_for_page(of_b)}},
                        {"low", -most},
                        {"high", most},
                        {"diverging", true}});

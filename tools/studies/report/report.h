@@ -78,6 +78,6 @@ const std::vector<TileMetric>& tile_metrics();
 /// Returns the value of a metric for each tile of the grid. Throws InputError if the table lacks a column.
 std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
 /// Returns numbers as JSON for a page: integers exactly, others with five digits. Infinity and NaN become null.
-sim::Json page_numbers(const std::vector<double>& values);
+sim::Json rounded_for_page(const std::vector<double>& values);
 
 }  // namespace tools::pages

@@ -58,7 +58,8 @@ TEST(TileMaps, RefuseTilesOutsideThePictureAndTablesWithoutPlaces) {
 }
 
 TEST(TileMaps, KeepWholeNumbersExactlyAndOthersInFiveDigits) {
-  EXPECT_EQ(sim::json_line(page_numbers({123456789, -2, 0, 1.0 / 3, 123456.7})), "[123456789,-2,0,0.33333,123460.0]");
+  EXPECT_EQ(sim::json_line(rounded_for_page({123456789, -2, 0, 1.0 / 3, 123456.7})),
+            "[123456789,-2,0,0.33333,123460.0]");
 }
 
 TEST(PagePictures, AreAveragedOverSquaresIfTooLarge) {
