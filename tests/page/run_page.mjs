@@ -301,3 +301,26 @@ test("a run without pictures has a page that says so", async () => {
     assert.ok(await page.locator("#cycles canvas").count() > 0);
   });
 });
+
+test("an animation shows every frame with its figures", () => look("film.html", {}, async (page) => {
+  const { frames, totals } = json("film", "report.json");
+  near(await figure(page, "temporal_psnr_db"), totals.temporal_psnr_db);
+  const block = page.locator('[data-block="film"]'), thumbnails = block.locator(".film-strip button"), screen = block.locator("img.film-screen");
+  assert.equal(await thumbnails.count(), frames.length);
+  const shown = () => screen.evaluate(async (image) => (await image.decode(), [...pixelsOf(image)].join()));
+  const pictures = [];
+  for (const [i, frame] of frames.entries()) {
+    await thumbnails.nth(i).click();
+    const words = await block.locator(".readout").innerText();
+    assert.ok(words.startsWith(`frame ${frame.frame}: `), words);
+    assert.equal(words.includes("change"), i > 0, words);
+    near(words.match(/([\d.]+) ms/)[0], frame.time_ms);
+    await page.waitForFunction(([image, source]) => image.src === source.src, [await screen.elementHandle(), await thumbnails.nth(i).locator("img").elementHandle()]);
+    pictures.push(await shown());
+  }
+  assert.equal(new Set(pictures).size, frames.length, "pictures differ");
+  assert.ok((await page.evaluate(() => location.hash)).includes(`frame=${frames.at(-1).frame}`));
+  await block.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(([output, first]) => output.innerText.startsWith(`frame ${first}:`), [await block.locator(".readout").elementHandle(), frames[0].frame]);
+  await block.getByRole("button", { name: "Play" }).click();
+}));

@@ -95,12 +95,16 @@ const adaptive = async () => {
   await running("run", ...small, "-o", "adaptive", "--program", "multirate:under", "--debug-images");
   await running("report", "adaptive", "-o", "adaptive.html");
 };
+const film = async () => {
+  await running("run", ...small, "-o", "film", "--scene", "chess", "--frames", "20:22", "--program", "multirate:under", "--reference", "full:1");
+  await running("report", "film", "-o", "film.html");
+};
 const [browser] = await Promise.all([
   browsers.launch({
     executablePath: chromium,
     args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   }),
-  runs(), sweep(), set(), search(), adaptive()]);
+  runs(), sweep(), set(), search(), adaptive(), film()]);
 
 const open = new Map();  // pages by file
 export const close = () => browser.close();

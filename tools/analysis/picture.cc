@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
@@ -43,6 +44,24 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b) {
     squares += difference * difference;
   }
   return squares / static_cast<double>(a.size());
+}
+
+PictureError PictureComparison::compare_frame(std::span<const float> rgb, std::span<const float> reference) {
+  PictureError error{.squared = mean_squared_error(rgb, reference)};
+  std::vector<float> differences(rgb.size());
+  std::ranges::transform(rgb, reference, differences.begin(),
+                         [](float a, float b) { return srgb_encoded(a) - srgb_encoded(b); });
+  if (!previous_.empty()) {
+    assert(previous_.size() == differences.size());
+    double squares = 0;
+    for (std::size_t i = 0; i < differences.size(); ++i) {
+      const double change = static_cast<double>(differences[i]) - static_cast<double>(previous_[i]);
+      squares += change * change;
+    }
+    error.change = squares / static_cast<double>(differences.size());
+  }
+  previous_ = std::move(differences);
+  return error;
 }
 
 std::optional<double> psnr_db(double mean_squared_error) {

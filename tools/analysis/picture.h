@@ -30,6 +30,23 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b);
 /// Returns the peak signal-to-noise ratio in dB, peak 1; nullopt for identical pictures.
 std::optional<double> psnr_db(double mean_squared_error);
 
+/// Error of a frame's picture against its reference picture, on unquantised sRGB values.
+struct PictureError {
+  double squared = 0;  ///< mean squared error
+  /// Mean squared error of the change since the previous frame; none in the first frame.
+  std::optional<double> change = {};
+};
+
+/// Compares the pictures of consecutive frames with their reference pictures.
+class PictureComparison {
+ public:
+  /// Returns the error of the next frame. Both pictures are linear; all frames have equal sizes.
+  PictureError compare_frame(std::span<const float> rgb, std::span<const float> reference);
+
+ private:
+  std::vector<float> previous_;  ///< differences of the previous frame; empty before the first
+};
+
 /// Debug picture of a frame with adaptive sampling: 8-bit RGB, one pixel per sample.
 struct DebugPicture {
   std::string name;

@@ -197,7 +197,7 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
   std::vector<Json> plays = {plain};
   for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
     const FrameResult* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
-    plays.push_back(totals_json({result.run.replicates[i], reference, result.squared_error}));
+    plays.push_back(totals_json({result.run.replicates[i], reference, result.error, result.worst_squared_error}));
   }
   Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};
   const Json flat = plain.flatten();
@@ -442,9 +442,14 @@ void add_relative_metrics(Json& totals, const ComparedResult& result) {
   const FrameResult &run = result.run, &reference = *result.reference;
   const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
   const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
-  const std::optional<double> psnr = psnr_db(result.squared_error);
-  totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
-  totals["identical"] = !psnr.has_value();
+  const auto decibels = [](double squared_error) {
+    const std::optional<double> psnr = psnr_db(squared_error);
+    return psnr ? Json(*psnr) : Json(nullptr);
+  };
+  totals["psnr_db"] = decibels(result.error.squared);
+  totals["identical"] = totals["psnr_db"].is_null();
+  if (result.worst_squared_error) totals["worst_psnr_db"] = decibels(*result.worst_squared_error);
+  if (result.error.change) totals["temporal_psnr_db"] = decibels(*result.error.change);
   totals["reference"] = {{"cycles", reference.cycles},
                          {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},

@@ -9,6 +9,7 @@
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
+#include "tools/analysis/picture.h"
 #include "tools/analysis/report_file.h"
 #include "tools/noise/noise.h"
 #include "tools/run/frame/load_config.h"
@@ -20,7 +21,8 @@ namespace tools {
 struct ComparedResult {
   const FrameResult& run;
   const FrameResult* reference = nullptr;
-  double squared_error = 0;  ///< mean squared difference of the channels of run and reference pictures
+  PictureError error = {};  ///< of a frame; of several frames: the mean error and the largest error of a change
+  std::optional<double> worst_squared_error = {};  ///< of several frames: the largest error of a picture
 };
 
 /// Returns the JSON of one frame (an entry of `frames`) or of all frames (`totals`) of report.json.

@@ -248,6 +248,13 @@ std::string metric_name(std::string_view path) {
   return std::string(is_totals_path(path) ? path.substr(std::string_view("totals.").size()) : path);
 }
 
+void rank_identical_pictures(ReportFile& report) {
+  for (const std::string name : kPsnrNames) {
+    const sim::JsonPointer psnr("/totals/" + name);
+    if (report.json.contains(psnr) && report.json.at(psnr).is_null()) report.numbers["totals." + name] = kIdenticalPsnr;
+  }
+}
+
 Numbers report_numbers(const Json& report) {
   Numbers out;
   if (!report.is_object()) return out;

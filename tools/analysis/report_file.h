@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -54,6 +55,14 @@ struct ReportNumber {
 /// `provenance`, which differ between equal runs, and the confidence intervals of counters. Throws InputError for
 /// excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
+
+/// PSNR in dB with which pictures that are identical to their reference are ranked; a report has null. Conditions such
+/// as psnr_db>=36 thus hold for them.
+inline constexpr double kIdenticalPsnr = 100;
+/// Names in `totals` of all values of PSNR.
+inline constexpr std::array<const char*, 3> kPsnrNames = {"psnr_db", "worst_psnr_db", "temporal_psnr_db"};
+/// Sets each PSNR that is null in `report.json` to kIdenticalPsnr in `report.numbers`.
+void rank_identical_pictures(ReportFile& report);
 
 /// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,
 /// "units.core.tni.trv.units" their number. Units without siblings are included.

@@ -151,6 +151,11 @@ std::string slowdown_text(const Json& t) {
                      si_text(grown.cycles), si_text(after - before), steps);
 }
 
+/// Formats a PSNR, which is null for identical pictures.
+std::string decibel_text(const Json& psnr) {
+  return psnr.is_null() ? "identical" : fmt::format("{:.2f} dB", psnr.get<double>());
+}
+
 std::string overview_text(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -203,13 +208,16 @@ std::string overview_text(const Json& report) {
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
-    line(
-        "against reference",
-        fmt::format("speed x{:.2f}, rays x{:.3f}, DRAM traffic x{:.2f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, "
-                    "PSNR {}",
-                    r["speedup"].get<double>(), r["rays"].get<double>(), r["dram_bytes"].get<double>(),
-                    r["tni_perf_per_watt"].get<double>(), r["gpu_perf_per_watt"].get<double>(),
-                    t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
+    line("against reference",
+         fmt::format(
+             "speed x{:.2f}, rays x{:.3f}, DRAM traffic x{:.2f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, "
+             "PSNR {}",
+             r["speedup"].get<double>(), r["rays"].get<double>(), r["dram_bytes"].get<double>(),
+             r["tni_perf_per_watt"].get<double>(), r["gpu_perf_per_watt"].get<double>(), decibel_text(t["psnr_db"])));
+    if (t.contains("temporal_psnr_db")) {
+      line("in the worst frame", fmt::format("PSNR {}; of the change since the frame before {}",
+                                             decibel_text(t["worst_psnr_db"]), decibel_text(t["temporal_psnr_db"])));
+    }
     line("reference's time", top_down_text(t["reference"]["top_down"]));
     if (const std::string why = slowdown_text(t); !why.empty()) line("slower because", why);
   }

@@ -69,10 +69,10 @@ Former former_results(const fs::path& folder, const ResultsOf& verb) {
 }
 
 /// Names of the files that verbs write into their folders.
-constexpr std::array<std::string_view, 17> kResults = {
+constexpr std::array<std::string_view, 18> kResults = {
     "report.json",    "report.txt",  "config.yaml", "tiles.json",     "intervals.bin.zst", "timeline.pftrace",
     "image.png",      "image.exr",   "pixels.exr",  "reference.exr",  "reference.png",     "reference.json",
-    "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md"};
+    "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md",      "reference-tiles.json"};
 
 /// True for a picture's file name with this prefix, e.g. figure-1-village.png or debug-steps.exr.
 bool is_picture_name(std::string_view prefix, std::string_view name) {

@@ -1,5 +1,6 @@
 #include "tools/run/run.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -56,8 +57,8 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
   return frame;
 }
 
-double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult& reference) const {
-  return mean_squared_error(frame.rendered.rgb, reference.rendered.rgb);
+PictureError RenderedFrames::compare_pictures(const FrameResult& frame, const FrameResult& reference) {
+  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb);
 }
 
 namespace {
@@ -87,14 +88,19 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   std::optional<FrameResult> reference;
   if (frames.has_reference() && !frame.is_partial()) {
     try {
-      reference = frames.simulate_reference(common);
+      SimulateOptions of_reference = common;
+      of_reference.itemised = options.itemised;
+      reference = frames.simulate_reference(of_reference);
+      if (!reference->tile_accounts.empty())
+        out.reference_tiles.frames.push_back(compute_tile_figures(*reference, inputs.config, inputs.frame));
     } catch (const Interrupted&) {
       if (!may_be_part) throw;
     }
   }
   out.set_missing_parts(frame, frames.replicates(), frames.has_reference() && !reference);
-  const double error = reference ? frames.squared_error(frame, *reference) : 0;
-  if (options.trace != nullptr && !out.partial) options.trace->end_frame(recorded_frame(inputs.frame, error));
+  const PictureError error = reference ? frames.compare_pictures(frame, *reference) : PictureError{};
+  if (options.trace != nullptr && !out.partial)
+    options.trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
   if (options.on_frame) {
     options.on_frame({.inputs = inputs,
                       .frame = frame,
@@ -198,8 +204,8 @@ void add_to_sum(FrameResult frame, std::optional<FrameResult>& total) {
 
 }  // namespace
 
-void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
-                    const sim::Intervals* over_time) {
+void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared,
+                    const PictureError& error, const sim::Intervals* over_time) {
   const auto entry_of = [&](const FrameResult& s, const ComparedResult& result) {
     sim::Json entry = {{"frame", number}};
     if (s.is_partial()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
@@ -209,14 +215,19 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
   };
   frames.push_back(entry_of(frame, {frame, compared ? &*compared : nullptr, error}));
   if (compared) reference_frames.push_back(entry_of(*compared, {*compared}));
-  squared_error += error;
+  squared_error += error.squared;
+  worst_squared_error = std::max(worst_squared_error, error.squared);
+  if (error.change) worst_change = std::max(worst_change.value_or(0), *error.change);
   if (over_time != nullptr) intervals.add(number, *over_time);
   add_to_sum(std::move(frame), total);
   if (compared) add_to_sum(*std::move(compared), reference);
 }
 
 ComparedResult RunResult::report_totals() const {
-  return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
+  ComparedResult totals{
+      *total, reference ? &*reference : nullptr, {squared_error / static_cast<double>(frames.size()), worst_change}};
+  if (worst_change) totals.worst_squared_error = worst_squared_error;
+  return totals;
 }
 
 void RunResult::set_missing_parts(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference) {
@@ -275,6 +286,8 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   json["config"] = sim::config_json(config);
   json["provenance"]["config_hash"] = sim::config_hash(config);
   sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
+  if (!result.reference_tiles.frames.empty())
+    sim::write_file_atomically(folder / kReferenceTiles, tiles_text(result.reference_tiles));
 }
 
 void print_reference_location(const std::filesystem::path& folder) {

@@ -10,6 +10,7 @@
 
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/io/json.h"
+#include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
@@ -48,17 +49,19 @@ RunPlan make_plan(const JobOptions& options);
 /// Results of a run: sums over its frames, and the report of each frame.
 struct RunResult {
   std::optional<FrameResult> total, reference;
-  double squared_error = 0;  ///< mean squared error of the picture, summed over all frames
+  double squared_error = 0;                 ///< mean squared error of the picture, summed over all frames
+  double worst_squared_error = 0;           ///< of the frame with the largest
+  std::optional<double> worst_change = {};  ///< largest PictureError::change of a frame; none without a second frame
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
   std::string missing;  ///< what an interrupt left out, for a message: "its replicates"
-  TileTable tiles;      ///< costs of each tile, for frames simulated with RunOptions::itemised
+  /// Costs of each tile of the program and of the reference, for frames simulated with RunOptions::itemised.
+  TileTable tiles, reference_tiles;
 
-  /// Adds the result of a frame and of its reference frame, if any. `error`: mean squared difference of the two
-  /// pictures.
-  void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
+  /// Adds the result of a frame and of its reference frame, if any. `error`: of the frame's picture.
+  void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, const PictureError& error,
            const sim::Intervals* over_time = nullptr);
   ComparedResult report_totals() const;
   /// Marks the run as partial if an interrupt has left this frame with fewer than `replicates` simulations or without
@@ -86,7 +89,7 @@ struct Origin {
   const JobOptions& options;
 };
 
-/// Writes the report of the reference program into the run's folder, if there is a reference.
+/// Writes report and tiles of the reference program into the run's folder, if there is a reference.
 void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
 
 /// Prints where the reference's report is, and the command that compares the run with its reference.
@@ -108,8 +111,8 @@ class FrameSource {
   /// Simulates the current frame with the run's program; simulate_reference() does so with the reference program.
   virtual FrameResult simulate(const SimulateOptions& extras) = 0;
   virtual FrameResult simulate_reference(const SimulateOptions& extras) = 0;
-  /// Returns the mean squared difference between the current frame's picture and its reference picture.
-  virtual double squared_error(const FrameResult& frame, const FrameResult& reference) const = 0;
+  /// Returns the error of the current frame's picture. Called once per frame, in order.
+  virtual PictureError compare_pictures(const FrameResult& frame, const FrameResult& reference) = 0;
   /// Advances to the next frame; false after the last.
   virtual bool advance_frame() = 0;
 };
@@ -143,12 +146,13 @@ class RenderedFrames final : public PosedFrames {
   }
   FrameResult simulate(const SimulateOptions& extras) override;
   FrameResult simulate_reference(const SimulateOptions& extras) override;
-  double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
+  PictureError compare_pictures(const FrameResult& frame, const FrameResult& reference) override;
 
  private:
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
+  PictureComparison pictures_;
   std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< contents of the caches after the last frame
 };
 

@@ -20,6 +20,8 @@ namespace {
 
 using Part = traces::TraceReader::Part;
 
+constexpr double kLargestSquaredError = 4;  ///< of changes that are opposite in every channel
+
 std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   std::vector<traces::KernelId> ids;
   for (const traces::Json& name : names) {
@@ -118,8 +120,13 @@ void StoredFrames::read_frame(std::size_t index) {
   index_ = index;
   trace_.add_file_name_to_errors([&] {
     const traces::Json& frame = trace_.frames()[index];
-    squared_error_ = frame.at("squared_error").get<double>();
-    if (!(squared_error_ >= 0 && squared_error_ < 4)) throw sim::InputError("squared_error is out of range");
+    const auto error_at = [&](const char* key) {
+      const auto error = frame.at(key).get<double>();
+      if (!(error >= 0 && error <= kLargestSquaredError)) throw sim::InputError(fmt::format("{} is out of range", key));
+      return error;
+    };
+    error_ = {error_at("squared_error"), {}};
+    if (frame.contains("squared_change_error")) error_.change = error_at("squared_change_error");
     inputs_.frame = static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame));
   });
 }
@@ -190,6 +197,6 @@ FrameResult StoredFrames::simulate_reference(const SimulateOptions& extras) {
   return simulate_part(find_part(true), *reference_, extras, reference_caches_);
 }
 
-double StoredFrames::squared_error(const FrameResult&, const FrameResult&) const { return squared_error_; }
+PictureError StoredFrames::compare_pictures(const FrameResult&, const FrameResult&) { return error_; }
 
 }  // namespace tools

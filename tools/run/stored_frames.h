@@ -30,7 +30,7 @@ class StoredFrames final : public FrameSource {
   std::uint32_t replicates() const override { return replicates_; }
   FrameResult simulate(const SimulateOptions& extras) override;
   FrameResult simulate_reference(const SimulateOptions& extras) override;
-  double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
+  PictureError compare_pictures(const FrameResult& frame, const FrameResult& reference) override;
   bool advance_frame() override;
   /// Goes back to the first frame of the trace.
   void go_to_first_frame() { read_frame(0), caches_ = reference_caches_ = {}; }
@@ -56,7 +56,7 @@ class StoredFrames final : public FrameSource {
   std::optional<kernels::ProgramSpec> reference_;
   const std::uint32_t threads_, replicates_;
   std::size_t index_ = 0;                  ///< index of the current frame in the trace
-  double squared_error_ = 0;               ///< mean squared error of the current frame's picture
+  PictureError error_;                     ///< of the current frame's picture
   std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace
   std::optional<std::size_t> tree_;        ///< index of the loaded BVH in the trace; none before the first frame
   traces::TileScope scope_;

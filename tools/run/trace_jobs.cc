@@ -73,13 +73,14 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
   const HoldInterrupts hold;  // before the first tile; `trace` is destroyed first and removes a half-written file
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
+  PictureComparison pictures;
   for_each_frame(inputs, options.threads, &progress, [&] {
     const std::vector<float> picture = program.record_frame(inputs, options.threads, progress, *trace, false);
-    double error = 0;
+    PictureError error;
     if (reference) {
-      error = mean_squared_error(picture, reference->record_frame(inputs, options.threads, progress, *trace, true));
+      error = pictures.compare_frame(picture, reference->record_frame(inputs, options.threads, progress, *trace, true));
     }
-    trace->end_frame(recorded_frame(inputs.frame, error));
+    trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
   });
   trace->commit();
   progress.finish("done");

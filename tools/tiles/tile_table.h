@@ -35,6 +35,8 @@ struct TileTable {
 };
 
 inline constexpr std::string_view kTilesFile = "tiles.json";
+/// The same of the reference, next to that of the run.
+inline constexpr std::string_view kReferenceTiles = "reference-tiles.json";
 
 /// Returns the text of tiles.json; equal tables give equal bytes.
 std::string tiles_text(const TileTable& table);

@@ -1,6 +1,7 @@
 #include "tools/analysis/picture.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -53,6 +54,43 @@ TEST(Psnr, OfOneWrongValueInAHundredIsTwentyDecibels) {
 TEST(Psnr, SeesEncodedNotLinearValues) {
   const Picture black(3, 0.0F), grey(3, 0.5F);
   EXPECT_NEAR(psnr_db(mean_squared_error(black, grey)).value(), -20 * std::log10(0.735357), 1e-4);
+}
+
+/// Returns the error of the change to the second of two frames; no value if all changes are right.
+std::optional<double> change_psnr(const std::vector<Picture>& frames, const std::vector<Picture>& references) {
+  tools::PictureComparison comparison;
+  EXPECT_FALSE(comparison.compare_frame(frames[0], references[0]).change.has_value()) << "nothing came before";
+  const tools::PictureError second = comparison.compare_frame(frames[1], references[1]);
+  EXPECT_EQ(second.squared, mean_squared_error(frames[1], references[1]));
+  return psnr_db(second.change.value());
+}
+
+TEST(TemporalPsnr, OfAnErrorThatStaysIsNothing) {
+  EXPECT_FALSE(change_psnr({{1, 0.5F}, {1, 0.5F}}, {{0, 0.5F}, {0, 0.5F}}).has_value()) << "a constant picture";
+  EXPECT_FALSE(change_psnr({{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 1, 0}}).has_value()) << "it moves as the reference";
+}
+
+TEST(TemporalPsnr, OfADotThatMovesFalselyCountsTwoPixels) {
+  Picture black(100, 0.0F), first = black, second = black;
+  first[37] = 1;
+  second[38] = 1;
+  EXPECT_NEAR(change_psnr({first, second}, {black, black}).value(), 10 * std::log10(100 / 2.0), 1e-5);
+  EXPECT_NEAR(change_psnr({black, black}, {first, second}).value(), 10 * std::log10(100 / 2.0), 1e-5)
+      << "a change that is missing is as false";
+  EXPECT_NEAR(change_psnr({first, black}, {black, black}).value(), 20, 1e-5);
+}
+
+TEST(TemporalPsnr, OfAFlashInTheOppositeDirectionIsBelowZero) {
+  const Picture black(12, 0.0F), white(12, 1.0F);
+  EXPECT_NEAR(change_psnr({black, white}, {white, black}).value(), -10 * std::log10(4.0), 1e-5);
+}
+
+TEST(TemporalPsnr, ComparesWithTheFrameBeforeOnly) {
+  const Picture black(4, 0.0F), white(4, 1.0F);
+  tools::PictureComparison comparison;
+  comparison.compare_frame(white, black);
+  EXPECT_NEAR(comparison.compare_frame(black, black).change.value(), 1, 1e-6);
+  EXPECT_EQ(comparison.compare_frame(black, black).change, 0.0);
 }
 
 }  // namespace

@@ -84,6 +84,14 @@ TEST(ReportNumbers, WhatIsNoNumberIsLeftOut) {
   EXPECT_FALSE(has("config.clocks.tni"));
 }
 
+TEST(ReportNumbers, RankAnIdenticalPictureByAHundredDecibels) {
+  tools::ReportFile report;
+  report.json["totals"] = {{"psnr_db", nullptr}, {"temporal_psnr_db", 31.5}, {"cycles", nullptr}};
+  tools::rank_identical_pictures(report);
+  EXPECT_EQ(report.numbers, (std::map<std::string, double>{{"totals.psnr_db", 100}}))
+      << "of other values, null is none";
+}
+
 TEST(ReportNumbers, UnitsWithoutTheirNumbersAreSums) {
   EXPECT_EQ(value("units.core1.tni.trv0.counters.hits"), 4);
   EXPECT_EQ(value("units.core.tni.trv.counters.hits"), 1 + 2 + 4 + 8);

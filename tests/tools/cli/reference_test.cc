@@ -1,7 +1,13 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tools/analysis/picture.h"
+#include "traces/scene/images.h"
 
 // Tests of `run --reference` and `verify`, which compare with a second run and with Embree.
 
@@ -89,6 +95,7 @@ TEST(Reference, KeepsItsOwnReportWhichIsThatOfTheProgramAlone) {
     EXPECT_EQ(own[part], run[part]) << part;
   }
   EXPECT_EQ(read_bytes(out / "reference.png"), read_bytes(alone / "image.png"));
+  EXPECT_EQ(read_bytes(out / "reference-tiles.json"), read_bytes(alone / "tiles.json"));
   EXPECT_NE(read_bytes(out / "difference.png"), read_bytes(out / "reference.png"));
 }
 
@@ -135,9 +142,74 @@ TEST(Reference, OfAFormerRunGoesWithIt) {
   const std::filesystem::path out = folder.path() / "out";
   ASSERT_EQ(raywatt(small_run(out, {"--reference", "full:4"})).exit, 0);
   ASSERT_EQ(raywatt(small_run(out)).exit, 0);
-  for (const char* name : {"reference.json", "reference.png", "difference.png", "reference.exr"}) {
+  for (const char* name :
+       {"reference.json", "reference-tiles.json", "reference.png", "difference.png", "reference.exr"}) {
     EXPECT_FALSE(std::filesystem::exists(out / name)) << name;
   }
+}
+
+const Words kMoving = {"--scene", "chess", "--set", "scene.triangles=2000"};
+
+Json report_of_moving(const std::filesystem::path& out, const Words& more) {
+  Words words = small_run(out, kMoving);
+  words.insert(words.end(), more.begin(), more.end());
+  const ProcessResult ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return read_json(out / "report.json");
+}
+
+/// Returns the differences of the sRGB values of a run's picture and its reference picture.
+std::vector<double> differences_in(const std::filesystem::path& run) {
+  const std::vector<float> a = traces::read_exr(run / "image.exr").rgb, b = traces::read_exr(run / "reference.exr").rgb;
+  std::vector<double> out;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    out.push_back(static_cast<double>(tools::srgb_encoded(a[i])) - static_cast<double>(tools::srgb_encoded(b[i])));
+  }
+  return out;
+}
+
+TEST(Reference, OfAnAnimationMeasuresTheChangesOfItsPictures) {
+  const TempFolder folder;
+  const Words programs = {"--program", "multirate:under", "--reference", "full:1", "--frames"};
+  const auto run = [&](const std::string& frames) {
+    Words more = programs;
+    more.push_back(frames);
+    return report_of_moving(folder.path() / frames, more);
+  };
+  const Json report = run("20:22"), &frames = report["frames"], &totals = report["totals"];
+  EXPECT_FALSE(frames[0].contains("temporal_psnr_db"));
+  std::vector<std::vector<double>> differences;
+  for (const char* frame : {"20", "21", "22"}) {
+    const Json alone = run(frame)["totals"];
+    EXPECT_FALSE(alone.contains("temporal_psnr_db"));
+    EXPECT_FALSE(alone.contains("worst_psnr_db"));
+    differences.push_back(differences_in(folder.path() / frame));
+  }
+  for (std::size_t f = 1; f < 3; ++f) {
+    double squares = 0;
+    for (std::size_t i = 0; i < differences[f].size(); ++i)
+      squares += std::pow(differences[f][i] - differences[f - 1][i], 2);
+    EXPECT_NEAR(frames[f]["temporal_psnr_db"], -10 * std::log10(squares / static_cast<double>(differences[f].size())),
+                1e-3);
+  }
+  EXPECT_EQ(totals["temporal_psnr_db"], std::min(frames[1]["temporal_psnr_db"], frames[2]["temporal_psnr_db"]));
+  const auto by_psnr = [](const Json& a, const Json& b) { return a["psnr_db"] < b["psnr_db"]; };
+  EXPECT_EQ(totals["worst_psnr_db"], (*std::ranges::min_element(frames, by_psnr))["psnr_db"]);
+  EXPECT_SAYS(read_bytes(folder.path() / "20:22/report.txt"), "in the worst frame");
+}
+
+TEST(Reference, OfAnAnimationThatIsItselfHasNoFalseChange) {
+  const TempFolder folder;
+  const Json totals = report_of_moving(folder.path() / "out",
+                                       {"--program", "full:1", "--reference", "full:1", "--frames", "20:21"})["totals"];
+  ASSERT_TRUE(totals.contains("temporal_psnr_db"));
+  EXPECT_TRUE(totals["temporal_psnr_db"].is_null());
+  EXPECT_TRUE(totals["worst_psnr_db"].is_null());
+}
+
+TEST(Reference, OfAnAnimationWithoutOneNothingIsMeasured) {
+  const TempFolder folder;
+  EXPECT_FALSE(report_of_moving(folder.path() / "out", {"--frames", "20:21"})["totals"].contains("temporal_psnr_db"));
 }
 
 TEST(Reference, WithoutOneThereIsNothingRelative) {

@@ -77,7 +77,8 @@ TEST_F(Replay, GivesTheReportOfTheRunForEveryFrameProgram) {
     expect_good(replay("replay"));
     expect_same("run", "replay");
     Words expected = {"config.yaml", "intervals.bin.zst", "report.json", "report.txt", "tiles.json"};
-    if (std::ranges::count(words, "--reference") != 0) expected.insert(expected.begin() + 2, "reference.json");
+    if (std::ranges::count(words, "--reference") != 0)
+      expected.insert(expected.begin() + 2, {"reference-tiles.json", "reference.json"});
     EXPECT_EQ(names_in(at("replay")), expected) << "no pictures";
   }
 }

@@ -3,6 +3,7 @@ import { h, choice } from "./dom.js";
 import * as charts from "./chart.js";
 import { flow } from "./sankey.js";
 import { picture } from "./picture.js";
+import { film } from "./film.js";
 import { pair } from "./pair.js";
 import { parallel, pointsTable, scatter } from "./points.js";
 import { series } from "./series.js";
@@ -37,6 +38,7 @@ const DRAWERS = {
   table: tableBlock,
   sankey: flow,
   picture,
+  film,
   pair,
   scatter,
   series,

@@ -1,5 +1,5 @@
 // The view of a run, from its report and what C++ adds to it (tools/studies/report/report.h).
-import { counted, percent, short } from "./format.js";
+import { counted, digits, percent, short } from "./format.js";
 import { at, capital, chart, dataset, entriesAt, flattened, hasNumber, headline, itemsAt, newView, numberAt, printable, section, table, text, textAt } from "./model.js";
 
 // Colours on a light ground; theme.js maps them to those on a dark one. Neighbours differ in hue and in lightness.
@@ -119,6 +119,9 @@ function addHeadlines({ report, totals }, view) {
   const identical = at(totals, "identical");
   if (typeof identical === "boolean") {
     view.headlines.push(headline({ id: "psnr_db", name: "Picture", value: identical ? "identical" : at(totals, "psnr_db"), unit: identical ? "" : "dB", note: "PSNR against the reference program" }));
+    const change = at(totals, "temporal_psnr_db");
+    if (Object.hasOwn(totals, "temporal_psnr_db"))
+      view.headlines.push(headline({ id: "temporal_psnr_db", name: "Flicker", value: change ?? "none", unit: change === null ? "" : "dB", note: "PSNR of the worst change from frame to frame" }));
     if (hasNumber(totals, "relative", "speedup"))
       view.headlines.push(headline({ id: "speedup", name: "Speed", value: totals.relative.speedup, unit: "×", note: "against the reference program" }));
   }
@@ -339,15 +342,29 @@ function addRoofline({ totals, share, seconds }, view) {
     "This run below the ceilings of memory, T&I units and shader cores, on logarithmic axes", "roofline", { kind: "roofline" })));
 }
 
-function addFrames({ report }, view) {
+/** "5.1 ms, 7.2 mJ, picture 38.1 dB, change 40.2 dB" of a frame. */
+function frameWords(f) {
+  const decibels = (words, key) => Object.hasOwn(f, key) && `${words} ${f[key] === null ? "identical" : `${digits(f[key])} dB`}`;
+  return [`${digits(numberAt(f, "time_ms"))} ms`, `${digits(numberAt(f, "energy_mj", "nominal"))} mJ`, decibels("picture", "psnr_db"),
+    decibels("change", "temporal_psnr_db")].filter(Boolean).join(", ");
+}
+
+function addFrames({ report, film }, view) {
   const frames = itemsAt(report, "frames");
   if (frames.length < 2) return;
-  view.data.frames = dataset([["frame", "frame", "number"], ["time_ms", "time", "number", "ms"], ["energy_mj", "energy", "number", "mJ"], ["rays", "rays", "si"], ["limiter", "limited by"]],
-    frames.map((f) => [at(f, "frame"), at(f, "time_ms"), at(f, "energy_mj", "nominal"), at(f, "rays", "total"), textAt(f, "limiter")]));
+  const compared = frames.some((f) => Object.hasOwn(f, "temporal_psnr_db"));
+  view.data.frames = dataset([["frame", "frame", "number"], ["time_ms", "time", "number", "ms"], ["energy_mj", "energy", "number", "mJ"], ["rays", "rays", "si"], ["limiter", "limited by"],
+    ...(compared ? [["psnr_db", "PSNR", "number", "dB"], ["temporal_psnr_db", "PSNR of the change", "number", "dB"]] : [])],
+  frames.map((f) => [at(f, "frame"), at(f, "time_ms"), at(f, "energy_mj", "nominal"), at(f, "rays", "total"), textAt(f, "limiter"),
+    ...(compared ? [at(f, "psnr_db"), at(f, "temporal_psnr_db")] : [])]));
   const line = (y, yTitle) => ({ kind: "lines", x: "frame", xTitle: "frame", xFormat: "d", y, yTitle });
+  const words = new Map(frames.map((f) => [at(f, "frame"), frameWords(f)]));
   view.sections.push(section("frames", "Frames", "The figures above are sums and means of all frames.",
+    film && { ...film, frames: film.frames.map((f) => ({ ...f, words: words.get(f.frame) ?? "" })) },
     chart("frame-times", "Time of each frame", "Time of each frame in milliseconds", "frames", line("time_ms", "ms")),
-    chart("frame-energies", "Energy of each frame", "Nominal energy of each frame in millijoules", "frames", line("energy_mj", "mJ"))));
+    chart("frame-energies", "Energy of each frame", "Nominal energy of each frame in millijoules", "frames", line("energy_mj", "mJ")),
+    compared && chart("frame-flicker", "PSNR of the change since the frame before",
+      "PSNR of the difference of consecutive frames against that of the reference, by frame, in decibels", "frames", line("temporal_psnr_db", "dB"))));
 }
 
 const ORIGIN = [["version", "version"], ["commit", "git"], ["model", "model_id"], ["configuration", "config_hash"], ["scene", "scene_sha256"], ["tree", "bvh_hash"], ["compiler", "compiler"]];

@@ -174,7 +174,11 @@ Json trace_header(const Inputs& inputs, const JobOptions& options) {
           {"config", sim::dump_config(inputs.config)}};
 }
 
-Json recorded_frame(std::uint32_t number, double error) { return {{"frame", number}, {"squared_error", error}}; }
+Json recorded_frame(std::uint32_t number, double squared_error, const std::optional<double>& change) {
+  Json frame = {{"frame", number}, {"squared_error", squared_error}};
+  if (change) frame["squared_change_error"] = *change;
+  return frame;
+}
 
 Json recorded_result(const RenderResult& result) {
   const kernels::Sampling& s = result.sampling;

@@ -16,14 +16,6 @@ namespace {
 
 using Fold = sweep::SetMetric::Kind;
 
-constexpr double kIdentical = 100;  // PSNR in dB given to a picture that is identical to its reference
-
-/// Replaces the infinite PSNR of an identical picture by kIdentical.
-void limit_psnr(sim::Json& json) {
-  const sim::JsonPointer identical("/totals/identical");
-  if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
-}
-
 /// Returns half of the 95 % interval of an estimate of tile sampling, as a share of it; 0 for exact figures.
 double sampling_error(const ReportFile& report, const std::string& figure) {
   const std::string path = "totals.sampled." + figure;
@@ -87,10 +79,7 @@ void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
   const std::optional<std::string> bytes = store.read_report(run.point.id);
   if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(run.point.id).string()));
   ReportFile report = parse_report(*bytes, store.folder_of(run.point.id) / "report.json");
-  limit_psnr(report.json);
-  if (report.json["totals"].contains("psnr_db") && report.json["totals"]["psnr_db"].is_number()) {
-    report.numbers["totals.psnr_db"] = report.json["totals"]["psnr_db"].get<double>();
-  }
+  rank_identical_pictures(report);
   run.extrapolations = results::extrapolation_lines(report.json);
   if (!has_paths_) {
     std::vector<std::string> paths;

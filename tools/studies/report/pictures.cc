@@ -161,6 +161,10 @@ constexpr std::size_t kAnyPixels = std::numeric_limits<std::size_t>::max();
 /// Limit in bytes for the picture, its pixel overlays and debug pictures together.
 constexpr std::uint64_t kLargestPictures = 3'900'000;
 constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
+constexpr std::uint64_t kLargestFilm = 1'500'000;   ///< limit for the pictures of all frames
+constexpr std::size_t kFilmPixels = 1 << 20;        ///< pixels of all frames together, at first
+constexpr std::size_t kLeastFilmPixels = 1 << 10;   ///< pixels of a frame
+constexpr std::size_t kMostFilmFrames = 600;
 
 /// Overlays of a picture as JSON for the page. Overlay of tiles: {id, name, tile, unit, values, low, high}. Overlay of
 /// pixels: {id, name, pixels, step, unit, low, high, scale}.
@@ -195,7 +199,7 @@ Json tile_times_json(const TileGrid& grid, const TileFrame& tiles, double us_per
 }
 
 void add_tiles(const ReportFile& report, Overlays& out) {
-  const TileTable table = load_tiles(report.file.parent_path() / kTilesFile);
+  const TileTable table = load_tiles(tiles_file(report));
   if (table.frames.empty()) throw sim::InputError(fmt::format("{} has no frames", kTilesFile));
   const TileFrame& tiles = table.frames.front();
   const TileGrid grid = tile_grid(tiles, report.number("resolution[0]"), report.number("resolution[1]"));
@@ -303,10 +307,10 @@ Overlays overlays_of(const ReportFile& report) {
       print_message("warning: {}; the page lacks its overlays", error.what());
     }
   };
+  add(tiles_file(report).filename().string(), add_tiles);
   if (report.is_reference()) {
-    add_missing("A reference has no data of tiles and pixels.");
+    add_missing("A reference has no data of pixels.");
   } else {
-    add(kTilesFile, add_tiles);
     add(kPixelsFile, add_pixels);
   }
   add_samples(report, out);
@@ -355,7 +359,60 @@ DebugPictures debug_pictures_of(const ReportFile& report) {
   return out;
 }
 
+/// Returns the pictures of the frames as data: URLs, each averaged to at most `max_pixels` pixels. Missing ones are
+/// null.
+std::vector<Json> frame_pictures(const std::vector<fs::path>& files, std::size_t max_pixels) {
+  std::vector<Json> pictures;
+  for (const fs::path& file : files) {
+    const std::optional<std::string> picture = page_picture(file, max_pixels);
+    pictures.push_back(picture ? Json(*picture) : Json());
+  }
+  return pictures;
+}
+
+std::uint64_t bytes_of(const std::vector<Json>& pictures) {
+  std::uint64_t bytes = 0;
+  for (const Json& picture : pictures) bytes += picture.is_string() ? picture.get_ref<const std::string&>().size() : 0;
+  return bytes;
+}
+
 }  // namespace
+
+fs::path tiles_file(const ReportFile& report) {
+  return report.file.parent_path() / (report.is_reference() ? kReferenceTiles : kTilesFile);
+}
+
+Json film_of_frames(const ReportFile& report) {
+  const auto frames = report.json.find("frames");
+  if (report.is_reference() || frames == report.json.end() || !frames->is_array() || frames->size() < 2) return {};
+  const std::size_t shown = std::min(frames->size(), kMostFilmFrames);
+  std::vector<fs::path> files;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const double number = report.number(fmt::format("frames[{}].frame", i));
+    files.push_back(report.file.parent_path() / fmt::format("frame-{:04.0f}.png", number));
+  }
+  std::size_t max_pixels = std::clamp(kFilmPixels / shown, kLeastFilmPixels, kMostPixels);
+  std::vector<Json> pictures = frame_pictures(files, max_pixels);
+  while (bytes_of(pictures) > kLargestFilm && max_pixels > kLeastFilmPixels) {
+    max_pixels = std::max(max_pixels / 2, kLeastFilmPixels);
+    pictures = frame_pictures(files, max_pixels);
+  }
+  Json list = Json::array();
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (pictures[i].is_string())
+      list.push_back({{"frame", report.number(fmt::format("frames[{}].frame", i))}, {"picture", pictures[i]}});
+  }
+  if (list.empty()) return {};
+  std::string note;
+  if (list.size() < frames->size()) note = fmt::format("{} of {} frames have a picture.", list.size(), frames->size());
+  return {{"type", "film"},
+          {"id", "film"},
+          {"title", "Picture of each frame"},
+          {"width", report.number("resolution[0]")},
+          {"height", report.number("resolution[1]")},
+          {"frames", std::move(list)},
+          {"note", note}};
+}
 
 Json run_picture(const ReportFile& report) {
   const fs::path file = report.picture("png");

@@ -61,7 +61,7 @@ Json trimmed_report(Json report) {
   if (frames == report.end() || !frames->is_array()) return report;
   for (Json& frame : *frames) {
     Json kept = Json::object();
-    for (const char* key : {"frame", "time_ms", "energy_mj", "rays", "limiter"}) {
+    for (const char* key : {"frame", "time_ms", "energy_mj", "rays", "limiter", "psnr_db", "temporal_psnr_db"}) {
       if (frame.is_object() && frame.contains(key)) kept[key] = frame[key];
     }
     frame = std::move(kept);
@@ -190,6 +190,7 @@ Json series_json(const ReportFile& report) {
 ///   flow         [[from, to, low, nominal, high], ...] in mJ; null, with the reason in not_priced
 ///   series       {begin_us, end_us, all: [{group, name, unit, values}]}, or a note
 ///   picture      run_picture()
+///   film         film_of_frames()
 Json run_data(const ReportFile& report) {
   std::unique_ptr<PricedRun> priced;
   std::string not_priced;
@@ -210,7 +211,8 @@ Json run_data(const ReportFile& report) {
           {"flow", priced ? energy_flow(*priced) : Json()},
           {"not_priced", not_priced},
           {"series", series_json(report)},
-          {"picture", run_picture(report)}};
+          {"picture", run_picture(report)},
+          {"film", film_of_frames(report)}};
 }
 
 }  // namespace
@@ -235,11 +237,10 @@ struct Difference {
 };
 
 TileFrame first_tile_frame(const ReportFile& report, const std::string& name) {
-  const std::filesystem::path file = report.file.parent_path() / kTilesFile;
+  const std::filesystem::path file = tiles_file(report);
   std::error_code ignored;
-  if (report.is_reference()) throw sim::InputError(fmt::format("{} is a reference without a {}", name, kTilesFile));
   if (!std::filesystem::is_regular_file(file, ignored))
-    throw sim::InputError(fmt::format("{} has no {}", name, kTilesFile));
+    throw sim::InputError(fmt::format("{} has no {}", name, file.filename().string()));
   try {
     TileTable table = load_tiles(file);
     if (!table.frames.empty()) return std::move(table.frames.front());
@@ -494,7 +495,7 @@ Bundle load_bundle() {
 std::string page_html(const Bundle& bundle, const std::string& kind, const std::string& title, Json data) {
   check_inline(bundle);
   Json pictures = Json::array();
-  for (const char* key : {"picture", "pictures"}) {
+  for (const char* key : {"picture", "pictures", "film"}) {
     if (data.contains(key)) move_pictures(data[key], pictures);
   }
   const Json page = {

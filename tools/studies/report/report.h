@@ -29,6 +29,13 @@ std::string run_title(const ReportFile& report);
 /// Returns a run's picture with overlays and debug pictures for a page, or {missing: reason}.
 sim::Json run_picture(const ReportFile& report);
 
+/// Returns the block of the pictures of all frames: {type, id, title, width, height, frames: [{frame, picture}], note};
+/// null for a single frame. All pictures are scaled down equally, so that they fit into a page.
+sim::Json film_of_frames(const ReportFile& report);
+
+/// Returns the path of the table of tiles that belongs to a report: of a run or of its reference.
+std::filesystem::path tiles_file(const ReportFile& report);
+
 /// True if the folder has the results of a sweep or of a search.
 bool is_sweep(const std::filesystem::path& folder);
 

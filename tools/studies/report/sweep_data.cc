@@ -63,6 +63,8 @@ const std::vector<Metric> kUsualMetrics = {{"totals.perf.fps", "frame rate", "nu
                                            {"totals.utilisation.dram", "DRAM busy", "percent"},
                                            {"totals.area_mm2", "area", "number", "mm²"},
                                            {"totals.psnr_db", "PSNR", "number", "dB"},
+                                           {"totals.worst_psnr_db", "PSNR of the worst frame", "number", "dB"},
+                                           {"totals.temporal_psnr_db", "PSNR of the worst change", "number", "dB"},
                                            {"totals.relative.speedup", "speed against reference", "number", "×"},
                                            {"totals.traced_ratio", "samples traced", "percent"}};
 

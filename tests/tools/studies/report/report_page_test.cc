@@ -135,14 +135,36 @@ TEST_F(Pages, OfTwoRunsExplainWhyTilesAreNotCompared) {
   EXPECT_SAYS(data_of({"base", "other"})["pictures"][0]["note"].get<std::string>(), "is no tiles.json");
 }
 
-TEST_F(Pages, OfAReferenceShowItsPictureWithoutTiles) {
+TEST_F(Pages, OfAnAnimationHaveThePictureOfEveryFrame) {
+  ASSERT_EQ(in_folder({"run", "--scene", "chess", "--set", "scene.triangles=500", "--resolution", "16x16", "--quiet",
+                       "--frames", "1:3", "--reference", "full:4", "-o", "film"})
+                .exit,
+            0);
+  const std::string page = page_of({"film"});
+  const Json data = data_in(page), &frames = data["film"]["frames"];
+  ASSERT_EQ(frames.size(), 3U);
+  for (int f = 0; f < 3; ++f) {
+    EXPECT_EQ(frames[f]["frame"], f + 1);
+    EXPECT_SAYS(frames[f]["picture"].get<std::string>(), "picture:") << "stored after the script";
+    EXPECT_SAYS(page, tools::pages::data_url("image/png",
+                                             read_bytes(folder->path() / fmt::format("film/frame-000{}.png", f + 1))));
+  }
+  EXPECT_EQ(data["film"]["note"], "");
+  EXPECT_EQ(data["report"]["frames"][1]["temporal_psnr_db"],
+            read_json(folder->path() / "film/report.json")["frames"][1]["temporal_psnr_db"]);
+  fs::remove(folder->path() / "film/frame-0002.png");
+  EXPECT_EQ(data_of({"film"})["film"]["note"], "2 of 3 frames have a picture.");
+  EXPECT_TRUE(data_of({"base"})["film"].is_null());
+}
+
+TEST_F(Pages, OfAReferenceShowItsPictureAndItsTiles) {
   ASSERT_EQ(in_folder({"run", "--resolution", "32x16", "--reference", "full:4", "-o", "with"}).exit, 0);
   const Json pair = data_of({"with/reference.json", "with"})["pictures"][0];
   EXPECT_NE(pair["a"], pair["b"]);
-  EXPECT_SAYS(pair["note"].get<std::string>(), "is a reference");
+  EXPECT_SAYS(pair["grids"].dump(), "\"id\":\"cycles\"");
   const std::string alone = page_of({"with/reference.json"});
   EXPECT_SAYS(alone, tools::pages::data_url("image/png", read_bytes(folder->path() / "with/reference.png")));
-  EXPECT_TRUE(data_in(alone)["picture"]["grids"].empty());
+  EXPECT_EQ(data_in(alone)["picture"]["grids"][0]["id"], "cycles");
 }
 
 TEST_F(Pages, OfDamagedFilesAreWrittenWithWarnings) {

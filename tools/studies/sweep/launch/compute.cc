@@ -97,7 +97,7 @@ class JoinedSlices final : public PosedFrames {
   FrameResult simulate_reference(const SimulateOptions&) override {
     throw std::logic_error("slices have no reference");
   }
-  double squared_error(const FrameResult&, const FrameResult&) const override { return 0; }
+  PictureError compare_pictures(const FrameResult&, const FrameResult&) override { return {}; }
 
  private:
   const kernels::ProgramSpec program_;

@@ -86,7 +86,7 @@ std::optional<std::string> scan_report(std::string_view text, MetricNames& names
   }
   if (has("partial") && report["partial"] == true) return "it is of an interrupted run";
   if (has("totals")) {
-    for (const char* name : {"psnr_db", "worst_psnr_db", "temporal_psnr_db"}) {
+    for (const char* name : kPsnrNames) {
       Json& totals = report["totals"];
       if (totals.is_object() && totals.contains(name) && totals[name].is_null()) totals[name] = kIdenticalPsnr;
     }

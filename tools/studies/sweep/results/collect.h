@@ -59,10 +59,6 @@ inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "t
                                              "traced_ratio",    "psnr_db"};
 inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "timing_s", "rays_per_s", "peak_rss_mb"};
 
-/// PSNR in dB that the index stores for pictures that are identical to their reference; a report has null. Conditions
-/// such as psnr_db>=36 thus hold for them.
-inline constexpr double kIdenticalPsnr = 100;
-
 /// The values of a report that the index stores.
 struct ReportScan {
   std::vector<std::pair<std::uint32_t, Value>> metrics;  ///< scalars of `totals`: number of the path, value

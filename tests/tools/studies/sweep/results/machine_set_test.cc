@@ -7,6 +7,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/analysis/report_file.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/sensitivity.h"
@@ -250,7 +251,7 @@ TEST(Machines, WithPicturesThatEqualTheReferenceMeetAQualityConstraint) {
   report["totals"]["identical"] = false;
   sweep.finish(4, report);
   const Results results = sweep.results();
-  EXPECT_EQ(numbers_at(results.column("worst(psnr_db)"), {0, 1}), (std::vector<double>{kIdenticalPsnr, 35.5}));
+  EXPECT_EQ(numbers_at(results.column("worst(psnr_db)"), {0, 1}), (std::vector<double>{tools::kIdenticalPsnr, 35.5}));
   EXPECT_SAYS(best_machine(sweep, {"area_mm2", true, {"psnr_db>=36"}}),
               "most area_mm2 of 2 machines that meet --where");
 }
