@@ -68,6 +68,22 @@ TEST_F(TargetRate, IsAColumnAndAConditionOfSweeps) {
   output_of({"sweep", "best", out, "--min", "power_at_fps_w", "--where", "fps_margin>=1", "--energy", "band"});
 }
 
+TEST_F(TargetRate, StaysInASweepThatIsRunAgainOrResumed) {
+  const fs::path file = write_sweep(folder, "axes: {cores: [1, 2]}\n"), out = folder.path() / "out";
+  const auto margins = [&] {
+    return output_of({"sweep", "table", out.string(), "--columns", "n,fps_margin,at_fps.fps", "--csv"});
+  };
+  output_of(sweep_run(folder, file, {"--fps", "300"}));
+  const std::string before = margins();
+  EXPECT_SAYS(before, ",300");
+  output_of(sweep_run(folder, file, {"--fps", "300"}));
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 0, 2, 0}));
+  fs::remove_all(folder.path() / "store/points");
+  output_of({"sweep", "run", "--resume", "-o", out.string()});
+  EXPECT_EQ(last_run_counts(out), (Tally{2, 2, 0, 0}));
+  EXPECT_EQ(margins(), before);
+}
+
 TEST_F(TargetRate, IsAnObjectiveAndAConstraintOfSearches) {
   const fs::path file = folder.write(
       "search.yaml",

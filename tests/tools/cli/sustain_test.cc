@@ -65,6 +65,16 @@ TEST(SustainVerb, SmallerProcessesSustainMore) {
   }
 }
 
+TEST(SustainVerb, TakesWhatTheIdleStateLeavesBetweenFrames) {
+  double before = 0;
+  for (const char* idle : {"power_gated", "clock_gated", "clocked"}) {
+    const Json s = sustained({"--minutes", "0.1", "--fps", "60", "--set", std::string("power.idle=") + idle});
+    EXPECT_NEAR(s["sustained_fps"].get<double>(), 60, 0.5);
+    EXPECT_GT(s["energy_j"].get<double>(), 1.01 * before) << idle;
+    before = s["energy_j"].get<double>();
+  }
+}
+
 TEST(SustainVerb, OfSeveralFramesRepeatsThem) {
   const Json s = sustained({"--minutes", "0.1", "--frames", "0:1"});
   EXPECT_EQ(s["steps"][0]["frames"].size(), 2U);

@@ -154,6 +154,15 @@ sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport
   return chip_idle_mw(config, idle_energy(config, units), {}) + hw::dram_idle_power_mw(config.gpu->dram);
 }
 
+double idle_clock_mw(const RunConfig& config, std::span<const sim::UnitReport> units) {
+  if (config.power.idle != sim::ChipIdle::kClocked) return 0;
+  double pj = 0;
+  for (const auto& [name, block] : idle_energy(config, units).blocks) {
+    if (name != "dram") pj += block.clock.nominal;
+  }
+  return pj * kPicojoulesPerMillisecond;
+}
+
 bool FrameRate::is_met() const { return slowest_ms <= period_ms * (1 + kRateRounding); }
 
 FrameRate evaluate_frame_rate(const RunConfig& config, const FinishedFrames& frames) {

@@ -30,6 +30,9 @@ Energy remaining_between_frames(const sim::PowerConfig& power, const Energy& lea
 /// of the machine; their counts are not used.
 sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport> units);
 
+/// Returns the nominal power of the chip's clock between frames, in mW: 0 unless power.idle is clocked.
+double idle_clock_mw(const RunConfig& config, std::span<const sim::UnitReport> units);
+
 /// Energy, units and times of the finished frames of a run.
 struct FinishedFrames {
   const sim::EnergyReport& energy;         ///< energy of all frames

@@ -85,14 +85,16 @@ std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::Fr
                                          const InMemoryTrace& work, const FrameResult& plain,
                                          const std::shared_ptr<const hw::CacheContents>& start, std::uint32_t threads,
                                          Progress* progress) {
+  const std::vector<RunConfig> configs = governor_configs(inputs.config);
   std::vector<MachineVariant> variants;
-  for (RunConfig& config : governor_configs(inputs.config)) variants.push_back({std::move(config), {}, {}, start});
+  for (const RunConfig& config : configs) variants.push_back({config, {}, {}, start});
   const std::vector<FrameResult> played =
       simulate_variants(inputs, requirements, work, plain, variants, "simulating", threads, progress);
   std::vector<SustainStep> steps;
   const std::vector<double> factors = governor_factors(inputs.config.thermal);
   for (std::size_t i = 0; i < played.size(); ++i) {
-    steps.push_back({factors[i], {sustain_frame(played[i].energy, played[i].elapsed)}});
+    const FrameResult& frame = played[i];
+    steps.push_back({factors[i], {sustain_frame(configs[i], frame.energy, frame.units, frame.elapsed)}});
   }
   return steps;
 }

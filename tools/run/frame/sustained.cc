@@ -11,6 +11,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/report/table.h"
+#include "tools/run/frame/frame_rate.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/thermal_governor.h"
 
@@ -73,7 +74,7 @@ class Device {
           decays_[step][index], true);
     const double period = setup_.fps > 0 ? 1 / setup_.fps : 0;
     if (const double rest = period - frame.seconds; rest > 0) {
-      const double idle = frame.leakage_w * leakage_factor() * setup_.idle_leakage;
+      const double idle = frame.leakage_w * leakage_factor() * setup_.idle_leakage + frame.idle_clock_w;
       spend(rest, {idle, setup_.idle_memory_w}, network_.decay_over(rest), false);
     }
     if (const double since = result_.seconds - last_decision_; has_reached(since, setup_.thermal.period)) {
@@ -153,7 +154,8 @@ SustainSetup sustain_setup(const RunConfig& config) {
   return setup;
 }
 
-SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed) {
+SustainFrame sustain_frame(const RunConfig& config, const sim::EnergyReport& energy,
+                           std::span<const sim::UnitReport> units, sim::Time elapsed) {
   SustainFrame frame;
   const double ms = static_cast<double>(elapsed) / sim::kFemtosecondsPerMillisecond;
   frame.seconds = ms / 1e3;
@@ -161,6 +163,7 @@ SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed) {
   const auto memory = energy.blocks.find("dram");
   if (memory != energy.blocks.end()) frame.memory_j = memory->second.total().nominal / kPicojoulesPerJoule;
   frame.dynamic_j = energy.total_pj.nominal / kPicojoulesPerJoule - frame.memory_j - frame.leakage_w * frame.seconds;
+  frame.idle_clock_w = idle_clock_mw(config, units) / kMilliwattsPerWatt;
   return frame;
 }
 
@@ -183,7 +186,7 @@ std::optional<sim::Temperatures> steady_temperatures(const SustainStep& step, co
     const double period = setup.fps > 0 ? std::max(frame.seconds, 1 / setup.fps) : frame.seconds;
     const double rest = period - frame.seconds;
     seconds += period;
-    dynamic_j += frame.dynamic_j;
+    dynamic_j += frame.dynamic_j + rest * frame.idle_clock_w;
     leakage_j += frame.leakage_w * (frame.seconds + rest * setup.idle_leakage);
     memory_j += frame.memory_j + rest * setup.idle_memory_w;
   }

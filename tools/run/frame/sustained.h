@@ -2,12 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sim/report/energy.h"
 #include "sim/report/thermal.h"
 #include "sim/time.h"
+#include "sim/unit_report.h"
 #include "tools/run/frame/load_config.h"
 
 namespace tools {
@@ -18,10 +20,13 @@ struct SustainFrame {
   double dynamic_j = 0;  ///< dynamic energy of the chip in J, without leakage
   double leakage_w = 0;  ///< leakage power of the chip in W at the configured temperature
   double memory_j = 0;
+  double idle_clock_w = 0;  ///< power of the clock of the idle chip between frames in W
 };
 
-/// Returns the time and energies of a simulated frame, in the form that sustain() needs.
-SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed);
+/// Returns the time and energies of a simulated frame, in the form that sustain() needs. `config`, `units`: of the
+/// machine that simulated it.
+SustainFrame sustain_frame(const RunConfig& config, const sim::EnergyReport& energy,
+                           std::span<const sim::UnitReport> units, sim::Time elapsed);
 
 /// A clock that the governor may choose, and the results of the frames at this clock.
 struct SustainStep {

@@ -43,7 +43,8 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
     const RecordedFrame frame(inputs, program, "sustain", options.job.threads, progress);
     const std::vector<FrameResult> played = frame.simulate(configs);
     for (std::size_t i = 0; i < played.size(); ++i) {
-      study.steps[i].frames.push_back(sustain_frame(played[i].energy, played[i].elapsed));
+      const FrameResult& result = played[i];
+      study.steps[i].frames.push_back(sustain_frame(configs[i], result.energy, result.units, result.elapsed));
     }
   });
   add_warnings(study.warnings, limit_warnings(study.steps, study.setup));

@@ -133,6 +133,20 @@ TEST(Sustain, AtAFrameRateTheRestOfThePeriodIsIdle) {
   EXPECT_NEAR(run.energy_j, static_cast<double>(run.frames) * (0.011 + 0.01 * (1.0 / 30 - 0.01)), 1e-6);
 }
 
+TEST(Sustain, AClockedChipTakesItsClockInTheRestOfThePeriod) {
+  SustainSetup s = setup(60);
+  s.fps = 30;
+  std::vector<SustainStep> one = steps(1, 0, 1);
+  const Sustained gated = sustain(one, s);
+  one.front().frames.front().idle_clock_w = 0.3;
+  const Sustained clocked = sustain(one, s);
+  const double idle_seconds = static_cast<double>(clocked.frames) * (1.0 / 30 - 0.01);
+  EXPECT_NEAR(clocked.energy_j - gated.energy_j, 0.3 * idle_seconds, 1e-6);
+  s.seconds = 20'000;
+  s.loop = 60;
+  EXPECT_NEAR(sustain(one, s).loops.back().temperatures.die, steady_temperatures(one.front(), s)->die, 1e-2);
+}
+
 TEST(Sustain, SequencesRepeatTheirFrames) {
   std::vector<SustainStep> two = steps(1, 0, 1);
   two.front().frames.push_back({0.03, 0.002, 0, 0});
