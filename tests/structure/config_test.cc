@@ -74,7 +74,7 @@ std::vector<fs::path> yaml_files() {
   for (const fs::path& file : repository_files()) {
     if ((file.string().starts_with("configs/") || file.string().starts_with("traces/workloads/")) &&
         !file.string().starts_with("configs/experiments/") &&  // sweeps, which have no values of a machine
-        file.extension() == ".yaml") {
+        !file.string().starts_with("configs/worth/") && file.extension() == ".yaml") {
       files.push_back(file);
     }
   }

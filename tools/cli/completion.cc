@@ -141,6 +141,8 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
   } else if (option.is_positional && name == "file" &&
              (join_words(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
+  } else if (option.is_positional && name == "file" && verb.words.back() == "worth") {
+    for (const std::string& path : config_names_in("worth")) known.push_back(path.substr(path.find('/') + 1));
   }
   std::erase_if(known, [](const std::string& each) {  // removes names that a shell would split into words
     return !std::ranges::all_of(each, [](unsigned char c) { return std::isalnum(c) || std::strchr("-_.:", c); });

@@ -90,6 +90,7 @@ std::string config_list() {
   const auto sweeps = std::stable_partition(searches.begin(), searches.end(), is_search);
   list("sweeps (raywatt sweep run NAME; without experiments/)", {sweeps, searches.end()});
   list("searches (raywatt optimise NAME; without experiments/)", {searches.begin(), sweeps});
+  list("features (raywatt worth NAME; without worth/)", config_names_in("worth"));
   return text;
 }
 

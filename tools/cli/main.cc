@@ -197,6 +197,7 @@ int run_command(int argc, char** argv) {
   tools::add_microbench(app, exit);
   tools::add_sweep(app, exit);
   tools::add_optimise(app, exit);
+  tools::add_worth(app, exit);
   tools::add_completion(app);
   tools::add_man(app);
   tools::refuse_empty_values(app);

@@ -26,6 +26,7 @@
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/report/report.h"
 #include "tools/studies/reproduce/reproduce.h"
+#include "tools/studies/worth/worth.h"
 
 namespace tools {
 
@@ -119,6 +120,37 @@ void add_optimise(CLI::App& app, int& exit) {
   verb->callback([options, &exit] {
     options->file = find_experiment(options->file);
     exit = optimise::run(*options);
+  });
+}
+
+void add_worth(CLI::App& app, int& exit) {
+  CLI::App* verb =
+      app.add_subcommand("worth", "Measure what a feature is worth: the smallest machine without and with it");
+  const auto options = std::make_shared<worth::Options>();
+  optimise::Options& search = options->search;
+  verb->add_option("file", search.file,
+                   "the feature: a name such as adaptive-sampling, or a .yaml file (docs/worth.md)")
+      ->required();
+  verb->add_option("-o,--output", search.out, "folder (default: raywatt-out/worth-NAME)");
+  verb->add_option("--store", search.store,
+                   "folder of results, shared with sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
+  add_launcher_options(*verb, search);
+  verb->add_option("--budget", search.budget, "number of points to simulate per side (default: the file's, or 100)")
+      ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
+  refuse_negative(*verb->add_option("--seed", search.seed, "random seed (default: the file's, or 1)"));
+  add_fps_option(*verb, search.sets);
+  verb->add_flag("--check", options->check, "also simulate all machines, and compare the best with the search's");
+  verb->add_option("--page", options->page, "write an HTML page that compares both machines")->type_name("FILE.html");
+  verb->add_flag("--json", options->json, "print JSON");
+  verb->add_flag("--quiet", search.quiet, "no table, no bar");
+  add_progress_option(*verb, search.progress);
+  verb->footer(
+      "The same command continues an interrupted search. Exit code 1 if no machine meets the constraints, simulations\n"
+      "failed, or --check found a machine that is more than 2 % better.\n\n"
+      "Example: raywatt worth adaptive-sampling -o out/worth -j 4");
+  verb->callback([options, &exit] {
+    options->search.file = find_experiment(options->search.file, "worth");
+    exit = worth::run(*options);
   });
 }
 

@@ -29,6 +29,7 @@ void add_trace(CLI::App& app, const std::vector<std::string>& argv);
 void add_microbench(CLI::App& app, int& exit);
 void add_sweep(CLI::App& app, int& exit);
 void add_optimise(CLI::App& app, int& exit);
+void add_worth(CLI::App& app, int& exit);
 void add_completion(CLI::App& app);
 void add_man(CLI::App& app);
 

@@ -128,11 +128,10 @@ std::vector<std::string> config_names_in(const std::string& folder) {
 
 fs::path find_config_file(const std::string& name) { return find_yaml(config_folders(), name).value(); }
 
-fs::path find_experiment(const fs::path& argument) {
+fs::path find_experiment(const fs::path& argument, const std::string& folder) {
   const std::string name = argument.string();
   std::error_code too_long;
   if (name.find('/') != std::string::npos || name.ends_with(".yaml") || fs::exists(argument, too_long)) return argument;
-  const std::string folder = "experiments";
   if (const std::optional<fs::path> found = find_yaml(config_folders(), folder + "/" + name)) return *found;
   std::vector<std::string> names = config_names_in(folder);
   for (std::string& each : names) each.erase(0, folder.size() + 1);

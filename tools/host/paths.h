@@ -25,11 +25,11 @@ std::optional<std::filesystem::path> find_workload(const std::string& argument);
 std::vector<std::string> workload_names();
 
 /// Returns the file of a sweep or search: a path if `argument` contains '/', ends in .yaml or exists, else
-/// experiments/NAME.yaml in config_folders(). Throws InputError with the nearest name if there is none.
-std::filesystem::path find_experiment(const std::filesystem::path& argument);
+/// `folder`/NAME.yaml in config_folders(). Throws InputError with the nearest name if there is none.
+std::filesystem::path find_experiment(const std::filesystem::path& argument, const std::string& folder = "experiments");
 
 /// Returns the names `folder`/NAME of the files NAME.yaml in a subfolder of config_folders(), sorted. `folder`: e.g.
-/// "dram", "energy" or "experiments".
+/// "dram", "worth" or "experiments".
 std::vector<std::string> config_names_in(const std::string& folder);
 
 /// Returns the file of a configuration whose name config_names() or config_names_in() returned.

@@ -79,6 +79,7 @@ TEST_F(Bash, CompletesNamesOfConfigurationsScenesWorkloadsProgramsAndExperiments
   EXPECT_TRUE(std::ranges::count(workloads, "lee2016-car") == 1) << workloads.size();
   EXPECT_EQ(offered("raywatt run --program under"), Words{"undersample"});
   EXPECT_EQ(offered("raywatt optimise optimise-c"), Words{"optimise-cores"});
+  EXPECT_EQ(offered("raywatt worth adaptive-s"), Words{"adaptive-sampling"});
   EXPECT_EQ(offered("raywatt sweep run l1-i"), Words{"l1-ist"});
 }
 

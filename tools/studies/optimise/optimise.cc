@@ -26,14 +26,13 @@ namespace fs = std::filesystem;
 using sweep::Point;
 using sweep::SweepFolder;
 
-Task task_of(const Options& options) {
-  Task task = read_task(options.file);
+/// Applies the options that override those of the search's file.
+void override_task(Task& task, const Options& options) {
   if (options.budget) task.budget = *options.budget;
   if (options.seed) task.seed = *options.seed;
   if (!options.fidelity.empty()) task.fidelity = parse_fidelity(options.fidelity).value_or(Fidelity::kAuto);
   if (options.confidence) task.confidence = *options.confidence;
   task.space.sets.insert(task.space.sets.end(), options.sets.begin(), options.sets.end());
-  return task;
 }
 
 /// Removes the recorded work of the points, unless another process records it.
@@ -63,15 +62,17 @@ Answer make_answer(SearchRun& search, const sweep::Store& store) {
 
 }  // namespace
 
-int run(const Options& options) {
+int run(const Options& options) { return run(options, read_task(options.file), sim::read_file(options.file, 1 << 20)); }
+
+int run(const Options& options, Task task, const std::string& text,
+        const std::function<void(const SearchRun& search)>& on_end) {
   check_options(options);
-  const Task task = task_of(options);
+  override_task(task, options);
   SearchRun search(task, options.file.parent_path());
   const fs::path out = !options.out.empty()
                            ? options.out
                            : fs::path("raywatt-out") / fmt::format("optimise-{}", options.file.stem().string());
   const fs::path store_root = !options.store.empty() ? options.store : sweep::Store::default_root();
-  const std::string text = sim::read_file(options.file, 1 << 20);
   const HoldInterrupts hold;
   const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::FolderKind::kSearch);
   if (!lock)
@@ -120,18 +121,20 @@ int run(const Options& options) {
   set_interrupt_note(fmt::format("kept {} of {} simulations; run the same command again to continue",
                                  search.simulated_count(), task.budget));
   if (!finished) return kGood;  // the destructor of `hold` ends the process
+  if (on_end) on_end(search);
 
   Answer answer = make_answer(search, store);
   answer.seconds = sim::seconds_since(begin);
   answer.is_checked = options.check;
   sim::write_file_atomically(out / kSearchFile, sim::json_text(search_json(answer)));
   const bool is_feasible = !search.pareto_front().empty();
-  if (!options.quiet) {
+  if (!options.quiet && options.prints_answer) {
     fmt::print("{}\n{}results: {}, history.jsonl\n", to_terminal_encoding(answer_text(answer)), summary_text(answer),
                (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {
-    if (trial.status == PointStatus::kFailed) fmt::print("failed: {}\n", sim::printable(trial.error, 500));
+    if (trial.status == PointStatus::kFailed && options.prints_answer)
+      fmt::print("failed: {}\n", sim::printable(trial.error, 500));
   }
   return is_feasible && std::ranges::count(search.trials(), PointStatus::kFailed, &Trial::status) == 0 ? kGood
                                                                                                        : kCheckFailed;

@@ -1,13 +1,17 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/studies/optimise/task.h"
 #include "tools/studies/sweep/launch/launcher.h"
 
 namespace tools::optimise {
+
+class SearchRun;
 
 /// Options of `raywatt optimise`. They override the options in the search's file.
 struct Options : LauncherOptions {
@@ -17,11 +21,15 @@ struct Options : LauncherOptions {
   std::vector<std::string> sets;  ///< "key=value", in addition to those of the file
   std::optional<double> confidence;
   bool check = false;  ///< simulate whole frames of the front
-  bool quiet = false;
+  bool quiet = false, prints_answer = true;
   std::string progress = "auto";
 };
 
 /// Runs a search and writes history.jsonl and front.csv. Returns kCheckFailed if no point is feasible or some failed.
 int run(const Options& options);
+/// Runs a search that has been read from `options.file` or made from it. `text`: a search's file that describes it;
+/// `on_end`: called after the last simulation.
+int run(const Options& options, Task task, const std::string& text,
+        const std::function<void(const SearchRun& search)>& on_end = {});
 
 }  // namespace tools::optimise

@@ -106,7 +106,6 @@ namespace {
 using sweep::YamlValue;
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
-constexpr std::string_view kSchema = "raywatt-optimise/1";
 constexpr std::array<std::string_view, 8> kKeys = {"objectives", "constraints", "budget",   "seed",
                                                    "population", "batch",       "fidelity", "confidence"};
 constexpr std::size_t kMostConstraints = 16;
@@ -167,8 +166,11 @@ std::optional<Fidelity> parse_fidelity(std::string_view text) {
 
 Task read_task(const std::filesystem::path& file) {
   const std::string name = sim::printable(file.string());
-  const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name);
-  const YamlValue root(*tree, name);
+  return parse_task(*sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name), name);
+}
+
+Task parse_task(const sim::YamlNode& tree, const std::string& name) {
+  const YamlValue root(tree, name);
   Task task;
   task.file = name;
   task.space = sweep::read_spec(root, kSchema, kKeys);

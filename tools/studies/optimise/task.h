@@ -74,7 +74,11 @@ constexpr bool is_confidence(double share) { return share >= 0.5 && share < 1; }
 inline constexpr const char* kSearchFile = "search.json";  ///< what the page of a search shows
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;
 
+inline constexpr std::string_view kSchema = "raywatt-optimise/1";
+
 /// Reads a task; throws InputError with file, line, column, key, error, allowed values.
 Task read_task(const std::filesystem::path& file);
+/// Reads a task from the tree of its file. `name`: the file's name, for messages.
+Task parse_task(const sim::YamlNode& tree, const std::string& name);
 
 }  // namespace tools::optimise

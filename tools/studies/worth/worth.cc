@@ -1,0 +1,205 @@
+#include "tools/studies/worth/worth.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/report_file.h"
+#include "tools/host/process.h"
+#include "tools/host/standard_streams.h"
+#include "tools/studies/optimise/search_run.h"
+#include "tools/studies/report/report.h"
+#include "tools/studies/sweep/store/store.h"
+
+namespace tools::worth {
+namespace {
+
+namespace fs = std::filesystem;
+using optimise::Goal;
+using optimise::SearchRun;
+using optimise::Task;
+using optimise::Trial;
+using optimise::WorkloadRun;
+using sim::Json;
+using sweep::PointStatus;
+using sweep::Store;
+
+constexpr std::uint32_t kLargestBatch = 64;  ///< machines simulated at a time where all are
+
+ReportFile read_point_report(const Store& store, const std::string& id) {
+  const std::optional<std::string> bytes = store.read_report(id);
+  if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(id).string()));
+  ReportFile report = parse_report(*bytes, store.folder_of(id) / "report.json");
+  rank_identical_pictures(report);
+  return report;
+}
+
+sim::Band band_at(const ReportFile& report, const std::string& group) {
+  return {report.number(group + ".low"), report.number(group + ".nominal"), report.number(group + ".high")};
+}
+
+/// Returns a metric under low, nominal and high tables; all equal for a metric without a band.
+sim::Band band_of(const ReportFile& report, const std::string& path) {
+  constexpr std::string_view kArea = "totals.area_mm2", kNominal = ".nominal";
+  if (path == kArea) return band_at(report, "totals.area_band_mm2");
+  if (path.ends_with(kNominal)) return band_at(report, path.substr(0, path.size() - kNominal.size()));
+  const double value = report.number(path);
+  return {value, value, value};
+}
+
+LimitRoom room_to(const Goal& goal, double value) {
+  return {goal.text(), goal.distance_text(value), value, goal.distance_to_limit(value)};
+}
+
+WorkloadResult workload_result(const std::vector<Goal>& goals, const WorkloadRun& run, const ReportFile& report) {
+  WorkloadResult out;
+  out.name = sim::printable(report.text("scene", "name"));
+  out.id = run.point.id;
+  out.command = sim::printable(command_text(run.point.run_options().argv), 4096);
+  out.fps = report.number("totals.perf.fps");
+  out.energy_mj = band_at(report, "totals.energy_mj") * (1 / static_cast<double>(report.json["frames"].size()));
+  out.target_fps = report.number("totals.at_fps.fps");
+  out.power_w = band_at(report, out.target_fps > 0 ? "totals.power_at_fps_w" : "totals.power_w");
+  if (report.has("totals.psnr_db")) out.psnr_db = report.number("totals.psnr_db");
+  for (std::size_t g = 0; g < goals.size(); ++g) {
+    if (!goals[g].is_objective() && goals[g].fold == sweep::SetMetric::Kind::kEach)
+      out.rooms.push_back(room_to(goals[g], run.seen.at(g).value));
+  }
+  return out;
+}
+
+/// Returns the machine of a trial.
+Machine machine_of(const SearchRun& search, const Trial& trial, const Store& store) {
+  Machine machine;
+  for (const auto& [name, value] : trial.axes) machine.axes.emplace_back(sim::printable(name), sim::printable(value));
+  machine.objective = trial.value(0);
+  machine.objective_band = {machine.objective, machine.objective, machine.objective};
+  const std::vector<Goal>& goals = search.goals();
+  const std::vector<WorkloadRun>& runs = trial.best_runs();
+  for (std::size_t w = 0; w < runs.size(); ++w) {
+    const ReportFile report = read_point_report(store, runs[w].point.id);
+    machine.workloads.push_back(workload_result(goals, runs[w], report));
+    if (runs.size() > 1) machine.workloads.back().name = sim::printable(search.workloads()[w]);
+    const std::string& metric = goals.front().metric;
+    if (w == 0 && (runs.size() == 1 || sweep::is_metric_of_machine(metric)))
+      machine.objective_band = band_of(report, metric);
+  }
+  for (std::size_t g = 0; g < goals.size(); ++g) {
+    if (!goals[g].is_objective() && goals[g].fold != sweep::SetMetric::Kind::kEach)
+      machine.rooms.push_back(room_to(goals[g], trial.value(g)));
+  }
+  return machine;
+}
+
+/// Reads what a finished search has found.
+void read_search(const SearchRun& search, const Store& store, SideAnswer& side) {
+  side.machines = search.simulated_count();
+  side.failed = static_cast<std::size_t>(std::ranges::count(search.trials(), PointStatus::kFailed, &Trial::status));
+  const std::vector<const Trial*> front = search.pareto_front();
+  if (!front.empty()) side.best = machine_of(search, *front.front(), store);
+}
+
+/// Returns the number of machines in a space, including those that it excludes.
+std::uint64_t size_of_space(const Task& task) {
+  std::uint64_t machines = 1;
+  for (const sweep::Axis& axis : task.space.axes) {
+    if (!sweep::changes_workload(axis)) machines *= axis.values.size();
+  }
+  return machines;
+}
+
+/// Simulates all machines of a space.
+void simulate_all(const SideSearch& search, const optimise::Options& options, SideAnswer& side) {
+  Task task = search.task;
+  task.batch = kLargestBatch;
+  optimise::Options all = options;
+  all.budget = std::max(size_of_space(task), optimise::kLeastBudget);
+  optimise::run(all, task, search.text, [&](const SearchRun& done) {
+    side.all.emplace();
+    side.all->machines = done.simulated_count();
+    const std::vector<const Trial*> front = done.pareto_front();
+    if (!front.empty()) side.all->objective = front.front()->value(0);
+  });
+}
+
+/// Throws InputError for a folder with other contents.
+void check_folder(const fs::path& out) {
+  std::error_code failed;
+  if (!fs::exists(out, failed)) return;
+  const std::string name = sim::printable(out.string());
+  if (!fs::is_directory(out, failed)) throw sim::InputError(fmt::format("{}: is a file, not a folder", name));
+  const bool is_former = fs::exists(out / "without", failed) || fs::exists(out / "with", failed);
+  if (!is_former && !fs::is_empty(out, failed)) {
+    throw sim::InputError(
+        fmt::format("{}: holds other files; allowed: a new or empty folder, or that of a former raywatt worth", name));
+  }
+}
+
+void check_size(const WorthFile& file) {
+  for (const SideSearch& side : file.sides) {
+    const std::uint64_t machines = size_of_space(side.task);
+    if (machines <= optimise::kMostBudget) continue;
+    throw sim::InputError(fmt::format("{}: --check simulates all {} machines of its space; allowed: at most {}",
+                                      side.task.file, machines, optimise::kMostBudget));
+  }
+}
+
+void write_page(const Answer& answer, const Store& store, const fs::path& page) {
+  pages::Options options;
+  for (const SideAnswer& side : answer.sides) {
+    if (side.best) options.inputs.push_back(store.folder_of(side.best->workloads.front().id));
+  }
+  options.out = page;
+  if (options.inputs.empty()) return print_message("warning: no machine meets the constraints; there is no page");
+  pages::write_report_page(options);
+}
+
+}  // namespace
+
+int run(const Options& options) {
+  check_options(options.search);
+  Answer answer{read_worth_file(options.search.file), {}};
+  if (options.check) check_size(answer.file);
+  const fs::path out = !options.search.out.empty()
+                           ? options.search.out
+                           : fs::path("raywatt-out") / fmt::format("worth-{}", options.search.file.stem().string());
+  check_folder(out);
+  const fs::path store_root = !options.search.store.empty() ? options.search.store : Store::default_root();
+  const HoldInterrupts hold;
+  for (const Side side : kSides) {
+    const auto i = static_cast<std::size_t>(side);
+    const SideSearch& search = answer.file.sides.at(i);
+    SideAnswer& found = answer.sides.at(i);
+    optimise::Options one = options.search;
+    one.out = out / names_of(side).at(i);
+    one.prints_answer = false;
+    found.folder = one.out;
+    optimise::run(one, search.task, search.text,
+                  [&](const SearchRun& done) { read_search(done, Store(store_root), found); });
+    if (is_interrupted()) return kGood;  // the destructor of `hold` ends the process
+    if (!options.check) continue;
+    one.out = out / fmt::format("all-{}", names_of(side).at(i));
+    simulate_all(search, one, found);
+    if (is_interrupted()) return kGood;
+  }
+  const Json json = worth_json(answer);
+  sim::write_file_atomically(out / "worth.json", sim::json_text(json));
+  if (!options.page.empty()) write_page(answer, Store(store_root), options.page);
+  if (options.json) {
+    fmt::print("{}", sim::json_text(json));
+  } else if (!options.search.quiet) {
+    fmt::print("{}\nresults: {}\n", to_terminal_encoding(worth_text(answer)), (out / "worth.json").string());
+    if (!options.page.empty()) fmt::print("page:    {}\n", options.page.string());
+  }
+  const bool found_any = std::ranges::any_of(answer.sides, [](const SideAnswer& s) { return s.best.has_value(); });
+  const bool is_good = std::ranges::all_of(answer.sides, [](const SideAnswer& s) { return s.failed == 0; }) &&
+                       std::ranges::all_of(answer.sides, is_confirmed);
+  return found_any && is_good ? kGood : kCheckFailed;
+}
+
+}  // namespace tools::worth
