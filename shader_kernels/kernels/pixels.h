@@ -123,7 +123,7 @@ struct PackColour {
   }
 };
 
-/// Packs a colour that an earlier part of the fused kernel has clamped; otherwise equal to pack_colour.
+/// Kernel pack_colour for a colour that an earlier part of the fused kernel has already clamped.
 struct PackClamped {
   using Of = PackColour;
   template <class V>

@@ -21,7 +21,7 @@ std::uint32_t UpsampledProgram::light_bytes_per_sample() const {
 }
 
 /// Returns the mean bytes per sample of a border. The outer half of the halo needs only visible fractions and geometry.
-/// The neighbour computes the final colours of the inner half and needs all its data.
+/// The inner half, whose final colours the neighbour computes, needs all data.
 std::uint32_t UpsampledProgram::exchanged_bytes_per_sample() const {
   const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
   return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;

@@ -133,7 +133,8 @@ DebugPicture interpolated_picture(const Canvas& canvas) {
   });
 }
 
-/// Colours each tile by its sampling rate. Tiles at the right and lower edges may be smaller.
+/// Returns a debug picture in which the colour of a tile shows its sampling rate. Tiles at the right and lower edges
+/// may be smaller.
 DebugPicture rates_picture(const Canvas& canvas) {
   const kernels::Sampling& s = canvas.frame.sampling;
   const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
@@ -146,8 +147,8 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// Shows the weight that the reconstruction filter keeps when it excludes samples of other surfaces: white if all
-/// samples count, black if only the pixel's own samples do.
+/// Returns a debug picture of the weight that the reconstruction filter keeps when it excludes samples of other
+/// surfaces: white if all samples count, black if only the pixel's own samples do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);

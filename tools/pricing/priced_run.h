@@ -75,7 +75,7 @@ class PricedRun {
   /// clock whose energies are for another voltage.
   const std::vector<std::string>& extrapolation_warnings() const { return extrapolated_; }
 
-  /// Returns the table entries that have a band.
+  /// Returns the energy table entries that have a band: a low, a nominal and a high value.
   std::vector<EnergyEntry>& band_entries() { return entries_; }
   /// Sets the nominal energy figures to those of a random draw; restore_nominal() undoes it.
   void apply_draw(const EnergyDraw& draw);

@@ -64,7 +64,8 @@ TileTimeShares tile_time_shares(std::span<const hw::TileAccount> tiles, sim::Tim
 
 namespace {
 
-/// Kinds of work by which energy is shared. From kOperations on: counters of a shader core that depend on its kernels.
+/// Kinds of work by which energy is shared. The kinds from kOperations on are counters of a shader core that depend on
+/// its kernels.
 enum Kind : std::size_t {
   kRays,
   kVisits,

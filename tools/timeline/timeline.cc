@@ -123,7 +123,7 @@ constexpr std::size_t kMostTimeBins = 2048;
 constexpr double kLineBytes = 64;
 constexpr double kJoulesPerMillijoule = 1e-3;
 
-/// A frame divided into bins of equal time, each a whole number of the recorder's bins.
+/// A frame divided into bins of equal time. Each bin is as long as a whole number of the recorder's bins.
 class TimeBins {
  public:
   explicit TimeBins(sim::Time elapsed)

@@ -304,8 +304,8 @@ ReconstructProgram::Node ReconstructProgram::shade_contrast_pixels(Tile& tile, N
 
 using traces::Region;
 
-/// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The neighbour
-/// computes the final colours of the inner half and also needs its other samples.
+/// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The inner half,
+/// whose final colours the neighbour computes, also needs the other samples.
 std::uint32_t ReconstructProgram::exchanged_bytes_per_sample() const {
   return shaded_sample_bytes() + unshaded_sample_bytes() / 2;
 }

@@ -83,7 +83,8 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   count_samples(tile);
 }
 
-/// Traces samples at the centres of a rectangle of pixels; (x, y) is the position in the tile buffer of the first.
+/// Traces a sample at the centre of each pixel of a rectangle. (x, y) is the position of the rectangle's first pixel in
+/// the tile buffer.
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
   Wavefront& wave = tile.wave;

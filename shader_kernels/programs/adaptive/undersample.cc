@@ -42,7 +42,7 @@ void PostCorrection::begin_scan() {
   std::ranges::fill(rounds_, std::uint16_t{0});
 }
 
-/// Finds the samples to trace again at position `step` of every row or column of the picture.
+/// Finds the suspect samples at position `step` of every row or column of the picture.
 void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
   const std::uint32_t lines = scan.is_along_y ? width_ : height_;
   const std::uint32_t length = scan.is_along_y ? height_ : width_;

@@ -136,7 +136,7 @@ constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch
 /// Returns a hash of the number of the bounce. The two lowest bits of the hash are 0.
 std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 
-/// Makes the seeds of occlusion rays differ from those of soft-shadow rays.
+/// Hash key that makes the seeds of occlusion rays differ from those of soft-shadow rays.
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
 /// Returns point `index` of a set of `count` points that cover the unit square evenly (Hammersley).
@@ -329,8 +329,8 @@ void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   }
 }
 
-/// Adds ambient light and all lights to diffuse surfaces. Surfaces of a fused stage already have ambient light and the
-/// first light, or the first occlusion ray.
+/// Adds ambient light and all lights to diffuse surfaces. At surfaces of a fused stage, that stage has already added
+/// ambient light and the first light, or has emitted the first occlusion ray instead.
 void Wavefront::shade_local_lights(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   StageQueues& queues = wave_.buffer.queues;
@@ -364,7 +364,8 @@ void Wavefront::shade_local_lights(WaveBounce& bounce) {
   if (keeps_local) bounce.after = record_local_colour<true>(bounce, queues.diffuse);
 }
 
-/// Adds one light to the surfaces of a queue, with rays [first_ray, end_ray) of each surface, or all rays.
+/// Adds the light of one light source to the surfaces of a queue. Of each surface's rays to this light it casts the
+/// rays [first_ray, end_ray), by default all.
 void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray,
                             std::uint32_t end_ray) {
   const SceneTables& scene = wave_.scene;
