@@ -243,7 +243,8 @@ bool RunIntervals::has_intervals(const ReportFile& report) {
 RunIntervals RunIntervals::load(const std::filesystem::path& run) { return RunIntervals(load_report(run)); }
 
 RunIntervals::RunIntervals(const ReportFile& report)
-    : config_(reported_config(report)), units_(idle_units(*config_.gpu, ReportedCounts(report).has_rasteriser())) {
+    : config_(reported_config(report)),
+      units_(idle_unit_reports(*config_.gpu, ReportedCounts(report).has_rasteriser())) {
   const std::filesystem::path file = interval_file_of(report);
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));

@@ -7,7 +7,7 @@
 
 namespace tools {
 
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;
   NoTiles tiles;
   // Kernels that no tile uses get no schedule: scheduling would dominate the time.

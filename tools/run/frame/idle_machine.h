@@ -11,6 +11,6 @@ namespace tools {
 
 /// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
 /// their energy events. `rasterises`: the machine has rasterisers.
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises = false);
 
 }  // namespace tools

@@ -286,7 +286,8 @@ std::string summary_text(const Answer& answer) {
   const std::uint64_t impossible = count([](const Trial& t) { return t.status == PointStatus::kImpossible; });
   std::string text = fmt::format("{} points simulated", search.simulated_count());
   if (looks != 0) text += fmt::format(" after {} first looks", looks);
-  text += fmt::format(": {} computed now, {} found in the store", search.computed_count(), search.found_count());
+  text += fmt::format(": {} computed now, {} found in the store", search.computed_count(),
+                      search.stored_simulation_count());
   if (search.workloads().size() > 1) {
     text += fmt::format("; {} simulations needless after the first workloads", search.skipped_count());
   }

@@ -44,7 +44,7 @@ MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
 
 /// True for a constraint that is met if it is met on each workload.
 bool is_on_each(const Goal& goal) {
-  return goal.fold == Fold::kEach || (goal.fold == Fold::kWorst && goal.is_larger_better() != goal.is_upper());
+  return goal.fold == Fold::kEach || (goal.fold == Fold::kWorst && goal.is_larger_better() != goal.is_upper_limit());
 }
 
 }  // namespace
@@ -99,7 +99,8 @@ void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
     run.compared.push_back(seen.value);
     if (goal.is_objective() || confidence_ == 0) continue;
     if (!draws) draws.emplace(report);
-    run.compared.back() = draws->spread_of(goal.metric, seen).quantile(goal.is_upper() ? confidence_ : 1 - confidence_);
+    run.compared.back() =
+        draws->spread_of(goal.metric, seen).quantile(goal.is_upper_limit() ? confidence_ : 1 - confidence_);
   }
 }
 

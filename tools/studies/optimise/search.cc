@@ -76,7 +76,8 @@ class Search::Models {
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
     for (std::size_t f = 0; f < search.values_.size(); ++f) {
       if (search.is_exact(f) || search.values_[f].empty()) continue;
-      search.surrogates_[f].fit(search.values_[f], search.looks_[f], search.errors_[f], search.errors_are_bounds_);
+      search.surrogates_[f].fit(search.values_[f], search.looks_[f], search.errors_[f],
+                                search.errors_are_upper_bounds_);
     }
     any_failed_ = std::ranges::any_of(search.results_known_, [](const auto& result) { return !result.second; });
     if (any_failed_) {
@@ -211,16 +212,18 @@ class Search::Models {
   double log_probability_of(std::size_t g, const Choice& point) const {
     const Goal& goal = search_.goals_[g];
     // Met on each workload: a worst value in the direction of the limit. All else needs the combined value.
-    const bool is_on_each = figures_of(g).rule == GoalFigures::Rule::kWorst &&
-                            (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper());
+    const bool is_on_each =
+        figures_of(g).rule == GoalFigures::Rule::kWorst &&
+        (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper_limit());
     if (!is_on_each) {
-      return has_values(g) ? log_probability(estimate_goal(g, point), to_goal_scale(g, goal.limit), !goal.is_upper())
-                           : 0;
+      return has_values(g)
+                 ? log_probability(estimate_goal(g, point), to_goal_scale(g, goal.limit), !goal.is_upper_limit())
+                 : 0;
     }
     double sum = 0;
     for (const std::size_t f : figures_of(g).figures) {
       if (!search_.has_values(f)) continue;
-      sum += log_probability(estimate_figure(f, point), to_figure_scale(f, goal.limit), !goal.is_upper());
+      sum += log_probability(estimate_figure(f, point), to_figure_scale(f, goal.limit), !goal.is_upper_limit());
     }
     return sum;
   }
@@ -386,7 +389,7 @@ void Search::add_partial_result(const Choice& point, const FigureValues& figures
 
 void Search::replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
                             bool are_bounds) {
-  errors_are_bounds_ = errors_are_bounds_ || are_bounds;
+  errors_are_upper_bounds_ = errors_are_upper_bounds_ || are_bounds;
   for (std::size_t f = 0; f < values_.size(); ++f) {
     if (!figures.at(f)) continue;
     values_[f][point] = *figures[f];

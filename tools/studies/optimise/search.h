@@ -112,7 +112,7 @@ class Search {
   /// By figure: simulated values, their errors, and values of first looks.
   std::vector<Surrogate::Values> values_, errors_, looks_;
   std::vector<std::map<Choice, double>> exact_;  ///< by figure: values computed so far
-  bool errors_are_bounds_ = false;
+  bool errors_are_upper_bounds_ = false;
   std::map<Choice, Score> feasible_scores_;
   std::vector<Surrogate> surrogates_;  ///< one per figure, then one for whether a point can be simulated
   std::uint64_t draws_ = 0;

@@ -142,7 +142,7 @@ Search::Options SearchRun::make_search_options() {
   using Key = std::tuple<std::string, std::size_t, int>;  // metric, workload, side of the quantile
   std::map<Key, std::size_t> known;
   for (const Goal& goal : task_.goals) {
-    const int side = goal.is_objective() || task_.confidence == 0 ? 0 : goal.is_upper() ? 1 : -1;
+    const int side = goal.is_objective() || task_.confidence == 0 ? 0 : goal.is_upper_limit() ? 1 : -1;
     GoalFigures& of_goal = options.figures.emplace_back();
     of_goal.rule = goal.fold == Fold::kMean      ? GoalFigures::Rule::kMean
                    : goal.fold == Fold::kGeomean ? GoalFigures::Rule::kGeomean
@@ -177,7 +177,8 @@ double SearchRun::exact_area(const Choice& choice, double quantile) {
   if (!point.error.empty()) return 0;
   const RunConfig& config = keys_.config_of(point);
   const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return area_at(sim::compute_area(idle_units(*config.gpu, rasterises), config.energy, config.area).total, quantile);
+  return area_at(sim::compute_area(idle_unit_reports(*config.gpu, rasterises), config.energy, config.area).total,
+                 quantile);
 }
 
 Choice SearchRun::on_workload(const Choice& machine, std::size_t workload) const {

@@ -70,10 +70,10 @@ class SearchRun {
   std::string fidelity_text() const;
   /// True if frames are sampled by tiles.
   bool is_tiled() const { return std::ranges::find(tiled_, true) != tiled_.end(); }
-  std::uint64_t simulated_count() const { return simulated_; }  ///< machines, excluding first looks
-  std::uint64_t computed_count() const { return computed_; }    ///< simulations that were not in the store
-  std::uint64_t found_count() const { return found_; }          ///< simulations that were in the store
-  std::uint64_t skipped_count() const { return skipped_; }      ///< simulations that earlier workloads made needless
+  std::uint64_t simulated_count() const { return simulated_; }      ///< machines, excluding first looks
+  std::uint64_t computed_count() const { return computed_; }        ///< simulations that were not in the store
+  std::uint64_t stored_simulation_count() const { return found_; }  ///< simulations that were in the store
+  std::uint64_t skipped_count() const { return skipped_; }  ///< simulations that earlier workloads made needless
 
  private:
   struct Machines {

@@ -112,7 +112,7 @@ GaussianProcess::Solution GaussianProcess::solve_model(std::span<const Observati
   return s;
 }
 
-double GaussianProcess::fit(std::vector<Observation> observations, bool errors_are_bounds) {
+double GaussianProcess::fit(std::vector<Observation> observations, bool errors_are_upper_bounds) {
   observations_ = std::move(observations);
   const auto count = static_cast<double>(observations_.size());
   shift_ = 0;
@@ -143,7 +143,7 @@ double GaussianProcess::fit(std::vector<Observation> observations, bool errors_a
     improved = false;
     for (int& length : lengths_) improved |= climb(length, kShortest, kLongest);
     improved |= climb(roughness_, 0, static_cast<int>(kNuggets.size()) - 1);
-    if (errors_are_bounds) improved |= climb(error_share_, 0, static_cast<int>(kErrorShares.size()) - 1);
+    if (errors_are_upper_bounds) improved |= climb(error_share_, 0, static_cast<int>(kErrorShares.size()) - 1);
   }
   solution_ = std::make_unique<Solution>(solve_model(observations_));
   return best / static_cast<double>(fitted.size()) - std::log(scale_);
@@ -226,9 +226,9 @@ std::vector<Observation> Surrogate::make_observations(const Values& simulated, c
   return all;
 }
 
-void Surrogate::fit(const Values& simulated, const Values& looks, const Values& errors, bool errors_are_bounds) {
+void Surrogate::fit(const Values& simulated, const Values& looks, const Values& errors, bool errors_are_upper_bounds) {
   is_log_ = false;
-  const double plain = plain_.fit(make_observations(simulated, looks, errors), errors_are_bounds);
+  const double plain = plain_.fit(make_observations(simulated, looks, errors), errors_are_upper_bounds);
   const auto is_positive = [](const Values::value_type& v) { return v.second > 0; };
   if (!may_be_log_ || !std::ranges::all_of(simulated, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
   is_log_ = true;
@@ -236,7 +236,7 @@ void Surrogate::fit(const Values& simulated, const Values& looks, const Values& 
   double jacobian = 0;
   for (const Observation& o : logs) jacobian += o.value;  // likelihoods refer to values, not to their logarithms
   jacobian /= static_cast<double>(logs.size());
-  is_log_ = log_.fit(logs, errors_are_bounds) - jacobian > plain;
+  is_log_ = log_.fit(logs, errors_are_upper_bounds) - jacobian > plain;
 }
 
 }  // namespace tools::optimise

@@ -43,9 +43,9 @@ class GaussianProcess {
   ~GaussianProcess();
   GaussianProcess(GaussianProcess&& other) noexcept;
 
-  /// Fits the model to at least one observation and returns the log likelihood per observation. `errors_are_bounds`:
-  /// the true errors may be smaller than stated, all by the same factor.
-  double fit(std::vector<Observation> observations, bool errors_are_bounds = false);
+  /// Fits the model to at least one observation and returns the log likelihood per observation.
+  /// `errors_are_upper_bounds`: the true errors may be smaller than stated, all by the same factor.
+  double fit(std::vector<Observation> observations, bool errors_are_upper_bounds = false);
   Estimate estimate_at(const Choice& point) const;
   /// Adds an estimate as if it had been observed (Kriging believer).
   void add_pseudo_observation(const Choice& point, double value);
@@ -75,9 +75,10 @@ class Surrogate {
   explicit Surrogate(std::span<const AxisShape> axes);
 
   /// Fits the model to at least one simulated value, and to approximate looks. `errors`: standard deviations of noisy
-  /// simulated values; `errors_are_bounds`: they are assumed upper bounds, not measured.
+  /// simulated values; `errors_are_upper_bounds`: they are assumed upper bounds, not measured.
   using Values = std::map<Choice, double>;
-  void fit(const Values& simulated, const Values& looks, const Values& errors = {}, bool errors_are_bounds = false);
+  void fit(const Values& simulated, const Values& looks, const Values& errors = {},
+           bool errors_are_upper_bounds = false);
   /// Forbids the logarithm, for a metric with a limit of 0 or less.
   void forbid_log() { may_be_log_ = false; }
   /// Returns the estimate on the model's scale, which is logarithmic if the logarithm of the metric is modelled.

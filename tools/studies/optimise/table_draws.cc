@@ -59,7 +59,7 @@ double FigureSpread::quantile(double share) const {
 double probability_met(const Goal& goal, const MeasuredFigure& seen) {
   const double error = seen.standard_error();
   if (error == 0) return goal.is_met(seen.value) ? 1 : 0;
-  return std::exp(log_probability({seen.value, error}, goal.limit, !goal.is_upper()));
+  return std::exp(log_probability({seen.value, error}, goal.limit, !goal.is_upper_limit()));
 }
 
 FigureSpread TableDraws::spread_of(const std::string& path, const MeasuredFigure& seen) {

@@ -91,7 +91,7 @@ std::string Goal::distance_title() const {
 }
 
 double Goal::distance_to_limit(double value) const {
-  const double distance = is_upper() ? limit - value : value - limit;
+  const double distance = is_upper_limit() ? limit - value : value - limit;
   return limit == 0 ? distance : distance / std::abs(limit);
 }
 

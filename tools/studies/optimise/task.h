@@ -28,8 +28,8 @@ struct Goal {
   /// True if larger values of the metric are better, so that `worst` is the smallest one.
   bool is_larger_better() const { return sweep::is_larger_better_in(set_metric(), metric, !is_less_better()); }
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
-  bool is_less_better() const { return kind == Kind::kMin || is_upper(); }
-  bool is_upper() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
+  bool is_less_better() const { return kind == Kind::kMin || is_upper_limit(); }
+  bool is_upper_limit() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
   /// True if the value meets the constraint. Objectives are always met.
   bool is_met(double value) const;
   std::string text() const;

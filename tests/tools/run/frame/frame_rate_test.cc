@@ -40,7 +40,7 @@ sim::EnergyReport joules_of(const char* block, double dynamic, double leakage) {
 
 FrameRate rate_of(const RunConfig& config, const sim::EnergyReport& energy, double ms, double frames = 1,
                   double slowest_ms = 0) {
-  const std::vector<sim::UnitReport> units = idle_units(*config.gpu);
+  const std::vector<sim::UnitReport> units = idle_unit_reports(*config.gpu);
   return evaluate_frame_rate(config, {.energy = energy,
                                       .units = units,
                                       .count = frames,
@@ -86,7 +86,7 @@ TEST(FrameRate, IsMetOnlyIfTheSlowestFrameMeetsIt) {
 TEST(IdlePower, IsLeakageAndClockByTheStateOfTheChip) {
   const RunConfig gated = config_with({}), stopped = config_with({"power.idle=clock_gated"}),
                   clocked = config_with({"power.idle=clocked"});
-  const std::vector<sim::UnitReport> units = idle_units(*gated.gpu);
+  const std::vector<sim::UnitReport> units = idle_unit_reports(*gated.gpu);
   const double memory = hw::dram_idle_power_mw(gated.gpu->dram).nominal;
   const auto chip_mw = [&](const RunConfig& config) { return idle_power_mw(config, units).nominal - memory; };
   const double leakage = chip_mw(stopped);
@@ -96,7 +96,7 @@ TEST(IdlePower, IsLeakageAndClockByTheStateOfTheChip) {
 
 TEST(IdlePower, OfAMachineThatOnlyWaitsIsTheEnergyOfAnIdleMachine) {
   const RunConfig config = config_with({"power.idle=clocked"});
-  std::vector<sim::UnitReport> units = idle_units(*config.gpu);
+  std::vector<sim::UnitReport> units = idle_unit_reports(*config.gpu);
   std::erase_if(units, [](const sim::UnitReport& unit) { return unit.block == "dram"; });
   // Counts of one microsecond in which every unit of the chip is idle.
   for (sim::UnitReport& unit : units) {
@@ -150,7 +150,7 @@ TEST(OperatingPoints, HaveTheLeastPowerOfAFineSearch) {
         config_with({clock("tni", 500e6), clock("srp", 1e9), clock("l2", 500e6), "power.voltage=dvfs"});
     const sim::PowerScale scale = power_scales(config).at("tni");
     const double ms = 6 / factor, joules = 0.01 * scale.dynamic + 0.006 * scale.leakage / factor;
-    const double idle_w = idle_power_mw(config, idle_units(*config.gpu)).nominal / 1000;
+    const double idle_w = idle_power_mw(config, idle_unit_reports(*config.gpu)).nominal / 1000;
     least = std::min(least, 60 * joules + idle_w * (1 - 60 * ms / 1000));
   }
   EXPECT_NEAR(rate.best->power_w.nominal, least, 0.001 * least);

@@ -50,7 +50,7 @@ std::vector<std::string> expected_texts(const RunConfig& config) {
   const auto events = ranges_of(config.energy.events, sim::byte_units());
   const auto arrays = ranges_of(config.area.arrays, sim::byte_units());
   const auto clocks = ranges_of(config.power.dvfs, sim::frequency_units());
-  for (const sim::UnitReport& unit : idle_units(*config.gpu)) {
+  for (const sim::UnitReport& unit : idle_unit_reports(*config.gpu)) {
     if (unit.cache_bytes == 0) continue;
     const std::string size = " has " + sim::quantity_text(unit.cache_bytes, sim::byte_units()) + ", outside ";
     for (const sim::CounterReport& counter : unit.counters) {
