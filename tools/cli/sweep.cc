@@ -154,7 +154,7 @@ void add_collect(CLI::App& group) {
   });
 }
 
-/// Joins columns that were divided at a comma inside of brackets: on(chess, fps).
+/// Joins the parts of column names that were split at a comma inside brackets, as in on(chess, fps).
 std::vector<std::string> join_calls(const std::vector<std::string>& parts) {
   std::vector<std::string> joined;
   bool is_open = false;

@@ -26,7 +26,7 @@ struct TileSampling {
 /// Parses --tile-sampling ("5%" or "auto") and --image ("full" or "none"); throws InputError for other texts.
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image);
 
-/// Estimates the share of a frame's tiles that sampling simulates on the machine of `config`; 1 if it is all of them.
+/// Estimates the share of a frame's tiles that tile sampling simulates on the machine of `config`; 1 for all tiles.
 double simulated_share(const RunConfig& config, const kernels::ProgramSpec& program, const TileSampling& sampling);
 
 /// Throws InputError for a program whose tiles cannot be sampled.
