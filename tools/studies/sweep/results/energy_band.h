@@ -35,7 +35,7 @@ class EnergyBand {
   /// fails for a point.
   EnergyBand(const Results& results, const std::vector<std::size_t>& rows);
 
-  /// Prices a metric of the points or machines in `rows`, of which all points that the metric needs must be priced.
+  /// Prices a metric of the points or machines in `rows`. All points that the metric needs must be priced.
   BandedMetric price_metric(const Results& results, const Column& column, bool more_is_better,
                             const std::vector<std::size_t>& rows);
   /// Returns the share of draws in which each point is on the Pareto front of two metrics.
