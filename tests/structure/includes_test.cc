@@ -25,6 +25,7 @@ struct Floor {
 constexpr std::array kFloors = {
     Floor{"tests", 20},
     Floor{"tools/cli", 19},
+    Floor{"tools/studies/worth", 18},
     Floor{"tools/studies/optimise", 18},
     Floor{"tools/studies/report", 18},
     Floor{"tools/studies", 17},

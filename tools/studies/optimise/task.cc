@@ -133,7 +133,7 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
 
 /// Other axes of workloads are refused, because the search would choose the easiest one.
 constexpr std::string_view kWorkloadKey =
-    "would make the easiest workload part of the answer; allowed: workloads, all of which a machine is evaluated on";
+    "would make the easiest workload part of the answer; allowed: workloads, because a machine is evaluated on all of them";
 
 double read_confidence(const YamlValue& value) {
   const std::string& text = value.text();

@@ -78,9 +78,10 @@ TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
                    fmt::format("clocks.tni={} MHz", 300 + 50 * pick(3, 7))};
     ASSERT_EQ(raywatt(words).exit, 0);
     const ReportFile report = load_report(out);
-    std::vector<double> plays = report.json["totals"]["replicates"]["figures"]["power_w"]["nominal"]["values"];
+    const auto plays =
+        report.json["totals"]["replicates"]["figures"]["power_w"]["nominal"]["values"].get<std::vector<double>>();
     const std::vector<double> known(plays.begin(), plays.begin() + kPlays), future(plays.begin() + kPlays, plays.end());
-    const Draws draws = draws_of(known);
+    const Draws draws = draw_statistics(known);
     FigureSpread spread = TableDraws(report).spread_of(kPath, {draws.mean, draws});
     // A limit near the power of the design, drawn too.
     const double wish = 0.7 + 0.6 * sim::hash_to_unit_float(sim::hash(53, i, 9));
@@ -91,7 +92,7 @@ TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
     // The true tables are other draws than those of the prediction.
     PricedRun run(report);
     const double nominal = nominal_energy_pj(run, "");
-    const double future_mean = draws_of(future).mean;
+    const double future_mean = draw_statistics(future).mean;
     double met = 0;
     constexpr std::uint64_t kTruths = 40;
     for (const double pj : energy_by_draw_pj(run, "", kTruths, 1000 + i))
