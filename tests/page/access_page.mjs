@@ -46,7 +46,7 @@ async function openTables(page) {
   assert.deepEqual([await closed.count(), await page.locator("figure table").count() > 3], [0, true]);
 }
 
-for (const name of ["run.html", "adaptive.html", "diff.html", "sweep.html", "search.html", "set.html"]) {
+for (const name of ["run.html", "adaptive.html", "diff.html", "sweep.html", "search.html", "set.html", "phone.html"]) {
   for (const surroundings of [{ theme: "light" }, { theme: "dark", width: 360 }]) {
     test(`${name} with all opened ${JSON.stringify(surroundings)}`, () => look(name, { hash: "#opened=1", ...surroundings }, async (page) => {
       await chooseOthers(page);

@@ -57,8 +57,8 @@ test("the page shows how many points meet the constraint, and the distance of th
   assert.ok(Math.abs(numberOf(cells[4]) - room) < 0.06, `${cells[4]} is not ${room} %`);
 }));
 
-test("the page of a search on two workloads begins with the answer, its limits on both, and its neighbours", () => look("set.html", {}, async (page) => {
-  const search = JSON.parse(fs.readFileSync(at("set", "search.json"), "utf8"));
+test("the page of a search on two workloads begins with the answer, its limits on both, and its neighbours", () => look("phone.html", {}, async (page) => {
+  const search = JSON.parse(fs.readFileSync(at("phone", "search.json"), "utf8"));
   assert.equal(await page.locator(".sentence").innerText(), search.sentence);
   assert.match(search.sentence, /least area_mm2 of 6 machines/);
   assert.equal(await page.locator('[data-block="answer-table"] tbody tr').count(), 4);

@@ -61,7 +61,7 @@ constraints: [power_w.nominal < 0.41]
 budget: 12
 axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4], l2.size: [128 KiB, 256 KiB]}
 `);
-fs.writeFileSync(at("set.yaml"), `schema: raywatt-optimise/1
+fs.writeFileSync(at("phone.yaml"), `schema: raywatt-optimise/1
 question: Which is the smallest machine for both?
 workloads: [cornell, teapot]
 resolution: 16x16
@@ -88,8 +88,8 @@ const set = async () => {
 const search = async () => {
   await running("optimise", "search.yaml", "-o", "search", "--store", "found", "-j", "1", "--quiet");
   await running("report", "search", "-o", "search.html");
-  await running("optimise", "set.yaml", "-o", "set", "--store", "found", "-j", "1", "--quiet", "--check");
-  await running("report", "set", "-o", "set.html");
+  await running("optimise", "phone.yaml", "-o", "phone", "--store", "found", "-j", "1", "--quiet", "--check");
+  await running("report", "phone", "-o", "phone.html");
 };
 const adaptive = async () => {
   await running("run", ...small, "-o", "adaptive", "--program", "multirate:under", "--debug-images");

@@ -151,19 +151,22 @@ std::string near_text(const SearchRun& search) {
   return text + (all > near.size() ? fmt::format("and {} more in history.jsonl\n", all - near.size()) : "");
 }
 
-/// Returns the limits of a machine on each workload: its value, whether it is met, and the room.
+/// Returns the goals of a machine on each workload: value, room to the limit, and whether it is met.
 std::string workloads_text(const SearchRun& search, const Trial& trial) {
   const bool is_whole = !trial.whole.empty();
-  sim::Table table({"workload", "frames", "limit", "value", "room", "met"});
+  sim::Table table({"workload", "frames", "goal", "value", "room", "met"});
   const std::vector<WorkloadRun>& runs = trial.best_runs();
   for (std::size_t w = 0; w < runs.size(); ++w) {
     for (std::size_t g = 0; g < search.goals().size(); ++g) {
       const Goal& goal = search.goals()[g];
-      if (goal.is_objective() || !runs[w].is_done() || !search.evaluator().needs_workload(goal, w)) continue;
+      if (!runs[w].is_done() || !search.evaluator().needs_workload(goal, w)) continue;
       const double value = runs[w].seen[g].value;
+      const bool has_limit = !goal.is_objective();
       table.add_row({sim::printable(search.workloads()[w]), is_whole || !search.is_tiled() ? "whole" : "sampled",
-                     goal.text(), sim::four_digit_text(value), goal.distance_text(value),
-                     goal.is_met(value) ? "yes" : "NO"});
+                     goal.text(), sim::four_digit_text(value), has_limit ? goal.distance_text(value) : "",
+                     !has_limit           ? ""
+                     : goal.is_met(value) ? "yes"
+                                          : "NO"});
     }
   }
   return table.text();
