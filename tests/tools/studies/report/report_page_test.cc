@@ -158,7 +158,10 @@ TEST_F(Pages, OfAnAnimationHaveThePictureOfEveryFrame) {
 }
 
 TEST_F(Pages, OfAReferenceShowItsPictureAndItsTiles) {
-  ASSERT_EQ(in_folder({"run", "--resolution", "32x16", "--reference", "full:4", "-o", "with"}).exit, 0);
+  ASSERT_EQ(
+      in_folder({"run", "--resolution", "32x16", "--program", "multirate:under", "--reference", "full:1", "-o", "with"})
+          .exit,
+      0);
   const Json pair = data_of({"with/reference.json", "with"})["pictures"][0];
   EXPECT_NE(pair["a"], pair["b"]);
   EXPECT_SAYS(pair["grids"].dump(), "\"id\":\"cycles\"");
