@@ -132,7 +132,7 @@ TEST(Names, OfFilesThatAGroupExtendsAreBareOnesOfItsFolder) {
 
 TEST(Names, AreListedWithALineEach) {
   const std::string list = ending_well({"config", "list"}).out;
-  for (const char* line : {"sgrt-balanced      A machine limited by its T&I units",
+  for (const char* line : {"sgrt-balanced      A machine whose bottleneck is its T&I units",
                            "dram/lpddr3-1600   LPDDR3-1600: two x32", "energy/14nm  Energy, leakage and clock",
                            "area/7nm   Area at 7 nm", "experiments/trv-cores        Where does the next"}) {
     EXPECT_SAYS(list, line);
