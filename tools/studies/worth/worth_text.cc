@@ -194,9 +194,10 @@ std::string check_text(const Answer& answer, Side side) {
   };
   const std::optional<double> error = search_error(found);
   return fmt::format(
-      "check, {}: the best of all {} machines has {} {}, the search found {}{}\n",
-      names_of(side).at(static_cast<std::size_t>(side)), found.all->machines, objective_of(answer).metric_text(),
-      value(found.all->objective), value(found.best ? std::optional(found.best->objective) : std::nullopt),
+      "check, {}: the best of all machines has {} {} ({} simulated, no other can be better), the search found {}{}\n",
+      names_of(side).at(static_cast<std::size_t>(side)), objective_of(answer).metric_text(),
+      value(found.all->objective), found.all->machines,
+      value(found.best ? std::optional(found.best->objective) : std::nullopt),
       error ? fmt::format(" ({:+.1f} %; accepted: {:.0f} %)", 100 * *error, 100 * kSearchTolerance) : "");
 }
 
