@@ -66,8 +66,9 @@ std::vector<std::string> Trial::extrapolations() const {
 void Evaluator::resolve_metrics(const std::vector<std::string>& paths) {
   for (Goal& goal : goals_) {
     try {
+      const sweep::SetMetric as_typed = goal.set_metric();
       goal.metric = resolve_report_path(goal.metric, paths);
-      if (goal.is_objective()) sweep::check_ranks_machines(goal.set_metric(), goal.metric, workloads_);
+      if (goal.is_objective()) sweep::check_ranks_machines(as_typed, goal.metric, workloads_);
     } catch (const sim::InputError& error) {
       throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
     }
