@@ -60,7 +60,7 @@ test("the page shows how many points meet the constraint, and the distance of th
 test("the page of a search on two workloads begins with the answer, its limits on both, and its neighbours", () => look("phone.html", {}, async (page) => {
   const search = JSON.parse(fs.readFileSync(at("phone", "search.json"), "utf8"));
   assert.equal(await page.locator(".sentence").innerText(), search.sentence);
-  assert.match(search.sentence, /least area_mm2 of 6 machines/);
+  assert.match(search.sentence, /least worst\(energy_mj\.nominal\) of 6 machines/);
   assert.equal(await page.locator('[data-block="answer-table"] tbody tr').count(), 4);
   assert.ok((await page.locator("#answer").innerText()).includes("Whole frames of it meet every limit, as --check found."));
   assert.equal(await page.locator('[data-block="points"] tbody tr').count(), 6, "a point per machine");

@@ -62,10 +62,10 @@ budget: 12
 axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4], l2.size: [128 KiB, 256 KiB]}
 `);
 fs.writeFileSync(at("phone.yaml"), `schema: raywatt-optimise/1
-question: Which is the smallest machine for both?
+question: Which machine takes least energy for both?
 workloads: [cornell, teapot]
 resolution: 16x16
-objectives: [min: area_mm2]
+objectives: [min: worst(energy_mj)]
 constraints: [power_w.nominal < 100, cycles > 1]
 budget: 6
 axes: {cores: [1, 2], tni.trvs: [1, 2, 4]}

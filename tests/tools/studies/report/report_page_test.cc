@@ -252,12 +252,12 @@ TEST_F(Pages, OfASearchOnSeveralWorkloadsHaveAPointPerMachineAndTheAnswer) {
   folder->write("set.yaml",
                 "schema: raywatt-optimise/1\nquestion: Which is smallest?\nresolution: 16x16\nbudget: 6\n"
                 "workloads: [cornell, teapot]\naxes: {cores: [1, 2], tni.trvs: [1, 2, 4]}\n"
-                "objectives: [min: area_mm2]\nconstraints: [power_w < 100, cycles > 1]\n");
+                "objectives: [min: worst(energy_mj)]\nconstraints: [power_w < 100, cycles > 1]\n");
   ASSERT_EQ(in_folder({"optimise", "set.yaml", "-o", "set", "--store", "store", "-j", "1", "--check"}).exit, 0);
   const Json data = data_of({"set"});
   EXPECT_EQ(data["points"].size(), 6U);
   const Json search = data["search"];
-  EXPECT_SAYS(search["sentence"].get<std::string>(), "has the least area_mm2 of 6 machines");
+  EXPECT_SAYS(search["sentence"].get<std::string>(), "has the least worst(energy_mj.nominal) of 6 machines");
   ASSERT_EQ(search["limits"].size(), 4U) << "two limits on two workloads";
   EXPECT_EQ(search["limits"][0][0], "cornell");
   EXPECT_EQ(search["limits"][3][0], "teapot");
@@ -266,7 +266,7 @@ TEST_F(Pages, OfASearchOnSeveralWorkloadsHaveAPointPerMachineAndTheAnswer) {
   EXPECT_EQ(search["scatter"]["rows"].size(), 6U);
   EXPECT_EQ(search["commands"].size(), 2U);
   EXPECT_EQ(search["checked"], true);
-  EXPECT_EQ(search["trades"]["rows"].size(), 2U);
+  EXPECT_GE(search["trades"]["rows"].size(), 2U);
 
   // A damaged file is named, and the page is that of the simulations.
   std::ofstream(folder->path() / "set/search.json") << R"({"schema": "raywatt-search/1", "goals": 3})";
