@@ -57,7 +57,7 @@ question: Which machines are quick and frugal?
 scene: cornell
 resolution: 16x16
 objectives: [{max: perf.fps}, {max: frames_per_joule_gpu}]
-constraints: [power_w.nominal < 0.41]
+constraints: [power_w.nominal < 0.275]
 budget: 12
 axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4], l2.size: [128 KiB, 256 KiB]}
 `);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/hash.h"
+#include "tests/full_size.h"
 #include "tests/tools/program.h"
 #include "tools/pricing/energy_study.h"
 #include "tools/studies/optimise/evaluation.h"
@@ -49,11 +50,13 @@ TEST(FigureSpread, TheQuantileMeetsALimitWithItsProbability) {
 /// of the energy tables, and other plays of the frame.
 TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
   const TempFolder folder;
-  constexpr std::size_t kDesigns = 200, kPlays = 5, kFuture = 8;
+  constexpr std::size_t kPlays = 5, kFuture = 8;
+  const std::size_t designs = full_or(200U, 30U);
+  const double bound = full_or(0.05, 0.1);  // few designs are few draws of the tables
   const char* const kPath = "totals.power_w.nominal";
   double predicted = 0, frequency = 0, sure = 0, sure_met = 0;
   std::size_t sure_count = 0;
-  for (std::size_t i = 0; i < kDesigns; ++i) {
+  for (std::size_t i = 0; i < designs; ++i) {
     const auto pick = [&](std::size_t axis, std::size_t values) { return sim::hash(53, i, axis) % values; };
     const std::string out = (folder.path() / std::to_string(i)).string();
     Words words = {"run",
@@ -97,19 +100,19 @@ TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
     constexpr std::uint64_t kTruths = 40;
     for (const double pj : energy_by_draw_pj(run, "", kTruths, 1000 + i))
       met += limit.is_met(future_mean * pj / nominal) ? 1.0 / double{kTruths} : 0;
-    predicted += chance / kDesigns;
-    frequency += met / kDesigns;
+    predicted += chance / static_cast<double>(designs);
+    frequency += met / static_cast<double>(designs);
     if (chance >= 0.8) {
       sure += chance;
       sure_met += met;
       sure_count += 1;
     }
   }
-  EXPECT_NEAR(predicted, frequency, 0.05);
+  EXPECT_NEAR(predicted, frequency, bound);
   EXPECT_GT(predicted, 0.2);
   EXPECT_LT(predicted, 0.8);
-  ASSERT_GT(sure_count, 20U);
-  EXPECT_NEAR(sure / static_cast<double>(sure_count), sure_met / static_cast<double>(sure_count), 0.05);
+  ASSERT_GT(sure_count, designs / 10);
+  EXPECT_NEAR(sure / static_cast<double>(sure_count), sure_met / static_cast<double>(sure_count), bound);
 }
 
 }  // namespace
