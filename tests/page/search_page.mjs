@@ -65,7 +65,7 @@ test("the page of a search on two workloads begins with the answer, its limits o
   assert.ok((await page.locator("#answer").innerText()).includes("Whole frames of it meet every limit, as --check found."));
   assert.equal(await page.locator('[data-block="points"] tbody tr').count(), 6, "a point per machine");
   assert.equal(await page.locator('[data-block="trades-table"] tbody tr').count(), search.trades.length);
-  assert.equal(await page.locator('[data-block="commands-table"] tbody tr').count(), 2);
+  assert.equal(await page.locator('[data-block="commands-table"] tbody tr').count(), 3);
   for (const id of ["limited", "shares-of-limits"]) {
     await page.locator(`[data-block="${id}"]`).scrollIntoViewIfNeeded();
     await page.locator(`[data-block="${id}"] canvas`).waitFor();

@@ -253,6 +253,7 @@ void rank_identical_pictures(ReportFile& report) {
     const sim::JsonPointer psnr("/totals/" + name);
     if (report.json.contains(psnr) && report.json.at(psnr).is_null()) report.numbers["totals." + name] = kIdenticalPsnr;
   }
+  if (report.has("totals.psnr_db")) report.numbers.emplace("totals.worst_psnr_db", report.number("totals.psnr_db"));
 }
 
 Numbers report_numbers(const Json& report) {

@@ -61,7 +61,8 @@ std::vector<ReportNumber> report_numbers(const sim::Json& report);
 inline constexpr double kIdenticalPsnr = 100;
 /// Names in `totals` of all values of PSNR.
 inline constexpr std::array<const char*, 3> kPsnrNames = {"psnr_db", "worst_psnr_db", "temporal_psnr_db"};
-/// Sets each PSNR that is null in `report.json` to kIdenticalPsnr in `report.numbers`.
+/// Sets each PSNR that is null in `report.json` to kIdenticalPsnr in `report.numbers`. The worst frame of a run of one
+/// frame is this frame.
 void rank_identical_pictures(ReportFile& report);
 
 /// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,

@@ -12,6 +12,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/noise/noise.h"
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/spec/set_metric.h"
 
 namespace tools {
@@ -85,21 +86,6 @@ std::vector<const ReportFile*> match_runs(const RunSet& a, const RunSet& b) {
   return matched;
 }
 
-/// Returns a metric of a run with its noise.
-MeasuredFigure seen_metric(const ReportFile& report, const std::string& metric) {
-  MeasuredFigure seen{report.number("totals." + metric)};
-  if (!is_noisy(metric)) return seen;
-  const std::string at = "totals.replicates.figures." + metric;
-  if (report.has(at + ".mean")) {
-    seen.draws = Draws{static_cast<std::size_t>(report.number("totals.replicates.count")), report.number(at + ".mean"),
-                       report.number(at + ".deviation")};
-    seen.value = seen.draws->mean;
-  } else {
-    seen.assumed = default_noise(report.number("resolution[0]") * report.number("resolution[1]"), metric);
-  }
-  return seen;
-}
-
 /// Returns an aggregate of a metric in both sets; without values if it has none.
 SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<const ReportFile*>& a,
                      const std::vector<const ReportFile*>& b, const std::string& metric) {
@@ -108,7 +94,7 @@ SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<c
     std::vector<sweep::WorkloadValue> values;
     for (const ReportFile* run : runs) {
       sweep::WorkloadValue& value = values.emplace_back();
-      if (run->has("totals." + metric)) value.seen = seen_metric(*run, metric);
+      if (run->has("totals." + metric)) value.seen = results::seen_figure(*run, "totals." + metric);
     }
     return sweep::evaluate_set_metric({kind, metric, {}}, values, larger);
   };

@@ -17,6 +17,7 @@ struct Answer {
   std::string not_priced{};     ///< reason that there are no probabilities
   double seconds = 0;           ///< host time of the search
   bool is_checked = false;      ///< whole frames of the front were simulated on request
+  std::string check_command{};  ///< simulates whole frames of the front; empty if there is no file for it
 
   const Trial* best() const;
 };

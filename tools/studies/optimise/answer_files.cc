@@ -14,14 +14,14 @@ using sim::Json;
 namespace {
 
 /// Returns the values of a machine on each workload: {workload, status, whole, command, values, errors, met}.
-Json runs_json(const SearchRun& search, const std::vector<WorkloadRun>& runs, bool is_whole) {
+Json runs_json(const SearchRun& search, const std::vector<WorkloadRun>& runs) {
   Json all = Json::array();
   for (std::size_t w = 0; w < runs.size(); ++w) {
     const WorkloadRun& run = runs[w];
     Json json = {
         {"workload", search.workloads()[w]}, {"status", std::string(name_of(run.status))}, {"id", run.point.id}};
     if (run.status != PointStatus::kMissing) json["command"] = command_of(run);
-    json["whole"] = is_whole || run.point.tile_sampling.empty();
+    json["whole"] = run.point.tile_sampling.empty();
     if (run.is_done()) {
       for (std::size_t g = 0; g < search.goals().size(); ++g) {
         json["values"].push_back(run.seen[g].value);
@@ -41,8 +41,8 @@ Json trial_json(const SearchRun& search, const Trial& trial) {
                {"axes", Json::array()},
                {"values", Json::array()},
                {"half_widths", Json::array()},
-               {"whole", !trial.whole.empty() || !search.is_tiled()},
-               {"runs", runs_json(search, trial.best_runs(), !trial.whole.empty())}};
+               {"whole", !trial.is_sampled()},
+               {"runs", runs_json(search, trial.best_runs())}};
   for (const auto& [name, value] : trial.axes) json["axes"].push_back(value);
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const bool has_value = g < trial.seen.size() && trial.seen[g];
@@ -164,6 +164,7 @@ Json search_json(const Answer& answer) {
                {"best", Json()},
                {"has_point_per_machine", search.workloads().size() == 1 && !search.is_tiled()},
                {"checked", answer.is_checked},
+               {"check_command", answer.check_command},
                {"not_priced", answer.not_priced},
                {"probabilities", Json::array()},
                {"bands", Json::array()},

@@ -33,14 +33,17 @@ std::vector<const Trial*> done_trials(const SearchRun& search) {
   return all;
 }
 
-/// Returns how many points meet each constraint: "perf.fps >= 60: 20, power_w.nominal < 1: 25".
+/// Returns how many points meet each constraint on all workloads: "perf.fps >= 60: 20, power_w.nominal < 1: 25". Points
+/// that were ruled out early do not count, because their other workloads are unknown.
 std::string met_text(const SearchRun& search) {
   const std::vector<const Trial*> all = done_trials(search);
   std::vector<std::string> each;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
     if (goal.is_objective()) continue;
-    const auto met = std::ranges::count_if(all, [&](const Trial* t) { return t->seen[g] && goal.is_met(t->value(g)); });
+    const auto met = std::ranges::count_if(all, [&](const Trial* t) {
+      return t->is_on_all_workloads() && t->compared[g] && goal.is_met(*t->compared[g]);
+    });
     each.push_back(fmt::format("{}: {}", goal.text(), met));
   }
   return fmt::format("{}", fmt::join(each, ", "));
@@ -153,7 +156,6 @@ std::string near_text(const SearchRun& search) {
 
 /// Returns the goals of a machine on each workload: value, room to the limit, and whether it is met.
 std::string workloads_text(const SearchRun& search, const Trial& trial) {
-  const bool is_whole = !trial.whole.empty();
   sim::Table table({"workload", "frames", "goal", "value", "room", "met"});
   const std::vector<WorkloadRun>& runs = trial.best_runs();
   for (std::size_t w = 0; w < runs.size(); ++w) {
@@ -162,7 +164,7 @@ std::string workloads_text(const SearchRun& search, const Trial& trial) {
       if (!runs[w].is_done() || !search.evaluator().needs_workload(goal, w)) continue;
       const double value = runs[w].seen[g].value;
       const bool has_limit = !goal.is_objective();
-      table.add_row({sim::printable(search.workloads()[w]), is_whole || !search.is_tiled() ? "whole" : "sampled",
+      table.add_row({sim::printable(search.workloads()[w]), runs[w].point.tile_sampling.empty() ? "whole" : "sampled",
                      goal.text(), sim::four_digit_text(value), has_limit ? goal.distance_text(value) : "",
                      !has_limit           ? ""
                      : goal.is_met(value) ? "yes"
@@ -217,8 +219,7 @@ std::string check_text(const Answer& answer) {
     if (answer.is_checked) {
       text += fmt::format("\npoint {}\n\n{}", number_of(answer.search, trial), workloads_text(answer.search, trial));
     } else if (!trial.is_feasible) {
-      text += fmt::format("point {} met all limits by sampled tiles, but whole frames do not\n",
-                          number_of(answer.search, trial));
+      text += fmt::format("point {} breaks a limit by whole frames\n", number_of(answer.search, trial));
     }
   }
   return answer.is_checked ? "\ncheck with whole frames:\n" + text : text;

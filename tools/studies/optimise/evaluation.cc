@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,42 +11,7 @@
 #include "tools/studies/sweep/results/figure_noise.h"
 
 namespace tools::optimise {
-namespace {
-
 using Fold = sweep::SetMetric::Kind;
-
-/// Returns half of the 95 % interval of an estimate of tile sampling, as a share of it; 0 for exact figures.
-double sampling_error(const ReportFile& report, const std::string& figure) {
-  const std::string path = "totals.sampled." + figure;
-  const double estimate = report.number(path + ".estimate");
-  return estimate == 0 ? 0 : (report.number(path + ".high") - report.number(path + ".low")) / 2 / estimate;
-}
-
-/// Returns a metric of a report with its noise: of its replicates, or as assumed for the size of the picture and for
-/// its tile sampling.
-MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
-  const double value = report.number(path);
-  const std::string name = is_totals_path(path) ? metric_name(path) : std::string();
-  if (!is_noisy(name)) return {.value = value};
-  const std::string draws = "totals.replicates.figures." + name;
-  if (report.has("totals.replicates.count") && report.has(draws + ".mean")) {
-    const Draws drawn{static_cast<std::size_t>(report.number("totals.replicates.count")),
-                      report.number(draws + ".mean"), report.number(draws + ".deviation")};
-    return {drawn.mean, drawn};
-  }
-  const double pixels = report.number("resolution[0]") * report.number("resolution[1]");
-  // Intervals of single values are narrower than those of differences of two.
-  const double sampled =
-      std::numbers::sqrt2 * std::max(sampling_error(report, "cycles"), sampling_error(report, "energy_mj"));
-  return {value, std::nullopt, std::hypot(default_noise(pixels, name), sampled)};
-}
-
-/// True for a constraint that is met if it is met on each workload.
-bool is_on_each(const Goal& goal) {
-  return goal.fold == Fold::kEach || (goal.fold == Fold::kWorst && goal.is_larger_better() != goal.is_upper_limit());
-}
-
-}  // namespace
 
 bool Trial::is_complete() const {
   return !seen.empty() && std::ranges::all_of(seen, [](const auto& s) { return s.has_value(); });
@@ -96,7 +60,7 @@ void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
       run.compared.clear();
       return;
     }
-    const MeasuredFigure& seen = run.seen.emplace_back(seen_figure(report, goal.metric));
+    const MeasuredFigure& seen = run.seen.emplace_back(results::seen_figure(report, goal.metric));
     run.compared.push_back(seen.value);
     if (goal.is_objective() || confidence_ == 0) continue;
     if (!draws) draws.emplace(report);
@@ -114,12 +78,24 @@ std::optional<std::size_t> Evaluator::find_broken_limit(const WorkloadRun& run, 
   if (!run.is_done()) return std::nullopt;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     const Goal& goal = goals_[g];
-    const bool is_alone = workloads_.size() == 1 || goal.fold == Fold::kOn || is_on_each(goal);
+    const bool is_alone = workloads_.size() == 1 || goal.fold == Fold::kOn || goal.is_on_each();
     if (goal.is_objective() || !is_alone || !needs_workload(goal, workload)) continue;
     const double value = run.compared[g];
     if (!goal.is_met(value) && std::abs(value - goal.limit) > run.seen[g].half_width()) return g;
   }
   return std::nullopt;
+}
+
+bool Evaluator::is_doubtful(const Trial& trial) const {
+  if (trial.status != PointStatus::kDone || trial.is_look || trial.is_feasible) return false;
+  if (!trial.is_complete() || !trial.is_on_all_workloads()) return false;
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    const Goal& goal = goals_[g];
+    if (goal.is_objective()) continue;
+    const double value = trial.compared[g].value_or(trial.value(g));
+    if (!goal.is_met(value) && std::abs(value - goal.limit) > trial.seen[g]->half_width()) return false;
+  }
+  return true;
 }
 
 std::vector<sweep::WorkloadValue> Evaluator::values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const {
@@ -181,7 +157,7 @@ Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
       drawn[g].push_back(seen ? seen->value : 0);
       double chance = seen && !goal.is_objective() ? probability_met(goal, *seen) : 1;
       // On each workload: their noise is independent. The area is that of one machine.
-      if (!goal.is_objective() && is_on_each(goal) && !sweep::is_metric_of_machine(goal.metric)) {
+      if (!goal.is_objective() && goal.is_on_each() && !sweep::is_metric_of_machine(goal.metric)) {
         chance = 1;
         for (const sweep::WorkloadValue& value : values) chance *= probability_met(goal, *value.seen);
       }

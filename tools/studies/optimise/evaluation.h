@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -49,6 +50,12 @@ struct Trial {
   double value(std::size_t goal) const { return seen[goal]->value; }
   /// True if all its goals have values.
   bool is_complete() const;
+  /// True if no workload was skipped.
+  bool is_on_all_workloads() const { return std::ranges::all_of(best_runs(), &WorkloadRun::is_done); }
+  /// True if a workload was simulated by sampled tiles.
+  bool is_sampled() const {
+    return std::ranges::any_of(best_runs(), [](const WorkloadRun& run) { return !run.point.tile_sampling.empty(); });
+  }
   std::vector<std::string> extrapolations() const;  ///< of all its workloads, each once
 };
 
@@ -78,6 +85,8 @@ class Evaluator {
   bool needs_workload(const Goal& goal, std::size_t workload) const;
   /// Returns the first constraint that this workload alone breaks by more than the noise.
   std::optional<std::size_t> find_broken_limit(const WorkloadRun& run, std::size_t workload) const;
+  /// True for a machine that breaks limits, but none by more than the noise. It ran on all workloads.
+  bool is_doubtful(const Trial& trial) const;
   /// Sets `seen` and `is_feasible` of a machine from its runs.
   void set_goal_values(Trial& trial) const;
 

@@ -35,6 +35,23 @@ void override_task(Task& task, const Options& options) {
   task.space.sets.insert(task.space.sets.end(), options.sets.begin(), options.sets.end());
 }
 
+/// Returns the command that repeats a search and simulates whole frames of its front.
+std::string check_command(const Options& options, const fs::path& out) {
+  std::vector<std::string> words = {"raywatt", "optimise", options.file.string(), "-o", out.string()};
+  const auto add = [&](const char* option, const std::string& value) {
+    words.emplace_back(option);
+    words.push_back(value);
+  };
+  if (options.budget) add("--budget", fmt::format("{}", *options.budget));
+  if (options.seed) add("--seed", fmt::format("{}", *options.seed));
+  if (!options.fidelity.empty()) add("--fidelity", options.fidelity);
+  if (options.confidence) add("--confidence", fmt::format("{}", *options.confidence));
+  for (const std::string& set : options.sets) add("--set", set);
+  if (!options.store.empty()) add("--store", options.store.string());
+  words.emplace_back("--check");
+  return command_text(words);
+}
+
 /// Removes the recorded work of the points, unless another process records it.
 void remove_streams(const std::vector<Point>& points, const sweep::Store& store) {
   std::set<std::string> streams;
@@ -126,6 +143,7 @@ int run(const Options& options, Task task, const std::string& text,
   Answer answer = make_answer(search, store);
   answer.seconds = sim::seconds_since(begin);
   answer.is_checked = options.check;
+  if (!on_end) answer.check_command = check_command(options, out);
   sim::write_file_atomically(out / kSearchFile, sim::json_text(search_json(answer)));
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet && options.prints_answer) {

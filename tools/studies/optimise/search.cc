@@ -20,8 +20,8 @@
 
 namespace tools::optimise {
 
-constexpr double kCorner = -0.1;     // reference point of the hypervolume; the worst score is 0
-constexpr double kCuriosity = 1e-6;  // weight of the uncertainty, which decides if no gain is expected
+constexpr double kCorner = -0.1;             // reference point of the hypervolume; the worst score is 0
+constexpr double kUncertaintyWeight = 1e-6;  // decides between points if no gain is expected
 
 /// Nodes and weights of a Gauss-Hermite quadrature over a normal distribution.
 constexpr std::array<double, 5> kNodes = {-2.8569700138728056, -1.3556261799742657, 0, 1.3556261799742657,
@@ -239,7 +239,7 @@ class Search::Models {
         gain += kWeights[i] * kWeights[j] * gain_.gain_of({score_at(e, 0, kNodes[i]), score_at(e, 1, kNodes[j])});
       }
     }
-    return std::log(gain + kCuriosity * score_uncertainty(e));
+    return std::log(gain + kUncertaintyWeight * score_uncertainty(e));
   }
 
   bool is_max(std::size_t objective) const { return search_.goals_[objective].kind == Goal::Kind::kMax; }
@@ -379,7 +379,9 @@ double Search::exact_figure(std::size_t figure, const Choice& point) {
 void Search::add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                         const std::vector<double>& errors, bool are_bounds) {
   if (figures) return add_partial_result(point, {figures->begin(), figures->end()}, errors, are_bounds);
-  results_known_.emplace(point, false);
+  results_known_.insert_or_assign(point, false);
+  for (Surrogate::Values& values : values_) values.erase(point);
+  feasible_scores_.erase(point);
 }
 
 void Search::add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,

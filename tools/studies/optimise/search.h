@@ -57,8 +57,8 @@ class Search {
   /// Returns `count` new points without a result; fewer if no others can be found or can be better.
   std::vector<Choice> propose_points(std::size_t count);
 
-  /// Adds the figures of a point, or none if it cannot be simulated. `errors`: standard deviations of noisy figures;
-  /// `are_bounds`: they are assumed upper bounds, not measured.
+  /// Adds the figures of a point, or none if it cannot be simulated, which removes earlier ones. `errors`: standard
+  /// deviations of noisy figures; `are_bounds`: they are assumed upper bounds, not measured.
   void add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
   /// Adds the simulated figures of a point. A point that lacks figures is not feasible.

@@ -24,8 +24,8 @@ using Fold = sweep::SetMetric::Kind;
 
 constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget is spread over the space
 constexpr std::uint64_t kNeighbourShare = 4;   // at most a quarter of the budget goes to neighbours of the best machine
-constexpr int kMostConfirmed = 4;              // best machines simulated whole until one meets all limits
-constexpr std::size_t kLooks = 4;              // first looks per simulated point
+constexpr int kMostDoubtful = 4;               // doubtful machines simulated whole
+constexpr std::size_t kLooksPerPoint = 4;      // first looks per simulated point
 constexpr std::uint64_t kMostImpossible = 10;  // impossible points tolerated for each point of the budget
 /// Share of tiles from which whole frames, whose work is recorded once for all machines, take no longer than samples.
 constexpr double kWorthSampling = 0.6;
@@ -65,7 +65,7 @@ void check_sampling(const Task& task) {
   if (!task.space.reference.empty()) {
     throw sim::InputError("does not go together with a reference; allowed: fidelity full");
   }
-  check_programs(task);
+  if (task.fidelity == Fidelity::kSampled) check_programs(task);  // kTiles simulates other programs whole
 }
 
 /// True if nothing in the task needs whole frames.
@@ -113,11 +113,17 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
     const Point point = planner_.make_point(on_workload(first, w), "");
     const RunConfig& config = keys_.config_of(point);
     const kernels::RenderConfig& render = config.render;
-    start_ = names_of(config.frame.start).at(static_cast<std::size_t>(config.frame.start));
+    starts_.emplace(names_of(config.frame.start).at(static_cast<std::size_t>(config.frame.start)));
     resolutions_.push_back(fmt::format("{}x{}", render.width, render.height));
     const bool is_large = double{1} * render.width * render.height >= kLargePicture;
     tiled_.push_back(task_.fidelity == Fidelity::kTiles ||
                      (task_.fidelity == Fidelity::kAuto && is_large && may_sample(task_.space)));
+  }
+  for (const sweep::Axis& axis : task_.space.axes) {
+    for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+      if (axis.keys[k] != "frame.start") continue;
+      for (const sweep::Axis::Value& value : axis.values) starts_.insert(value.settings[k]);
+    }
   }
 }
 
@@ -199,11 +205,12 @@ std::string SearchRun::fidelity_text() const {
   std::vector<std::string> sizes = resolutions_;
   std::ranges::sort(sizes);
   sizes.erase(std::ranges::unique(sizes).begin(), sizes.end());
-  const std::string at = fmt::format("{}, {} start", fmt::join(sizes, ", "), start_);
+  const std::string at = fmt::format("{}, {} start", fmt::join(sizes, ", "), fmt::join(starts_, " or "));
   if (is_tiled()) {
     const char* const where = task_.fidelity == Fidelity::kAuto ? " where that is quicker" : "";
-    return fmt::format("tile sampling of {} at {}{}; whole frames of the best; never a smaller picture", task_.sampling,
-                       at, where);
+    const char* const whole = has_one_objective() ? "the best" : "the front only with --check";
+    return fmt::format("tile sampling of {} at {}{}; whole frames of {}; never a smaller picture", task_.sampling, at,
+                       where, whole);
   }
   if (task_.fidelity == Fidelity::kSampled) {
     return fmt::format("first looks by tile sampling ({}), then whole frames of {}", task_.sampling, at);
@@ -211,16 +218,16 @@ std::string SearchRun::fidelity_text() const {
   return fmt::format("whole frames of {}", at);
 }
 
-Trial SearchRun::make_trial(const Choice& choice, bool looks) {
+Trial SearchRun::make_trial(const Choice& choice, bool is_look) {
   Trial trial;
   trial.choice = choice;
-  trial.is_look = looks;
+  trial.is_look = is_look;
   trial.batch = batches_;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     const Choice here = on_workload(choice, w);
     WorkloadRun run;
-    run.point = planner_.make_point(here, looks ? task_.sampling : "");
-    const std::string sampling = looks ? "" : sampling_of(run.point, w);
+    run.point = planner_.make_point(here, is_look ? task_.sampling : "");
+    const std::string sampling = is_look ? "" : sampling_of(run.point, w);
     if (!sampling.empty()) run.point = planner_.make_point(here, sampling);
     if (!run.point.error.empty() && trial.error.empty()) {
       trial.status = PointStatus::kImpossible;
@@ -344,12 +351,12 @@ void SearchRun::add_to_search(const Trial& trial, const Choice& choice) {
   }
 }
 
-bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool looks, const Machines& with) {
+bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_look, const Machines& with) {
   std::vector<Trial> fresh;
   std::map<std::string, std::size_t> indices;  // index in `trials_` of each new machine, by id
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
-    Trial trial = make_trial(choice, looks);
+    Trial trial = make_trial(choice, is_look);
     ids.push_back(trial.id);
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
     if (is_known) continue;  // axis values that give the same machine as an earlier point
@@ -369,7 +376,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool looks,
   }
   for (std::size_t c = 0; c < choices.size(); ++c) {
     const std::size_t index = by_id_.at(ids[c]);
-    if (looks) {
+    if (is_look) {
       looked_.insert(choices[c]);
     } else {
       by_choice_.emplace(choices[c], index);
@@ -387,7 +394,7 @@ bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
   while (simulated_ < until && proposed_ < task_.budget * (kMostImpossible + 1)) {
     const std::size_t count = std::min(simulated_ == 0 ? std::min(first, until) : task_.batch, until - simulated_);
     if (task_.fidelity == Fidelity::kSampled) {
-      std::vector<Choice> looks = search_.propose_points(kLooks * count);
+      std::vector<Choice> looks = search_.propose_points(kLooksPerPoint * count);
       std::erase_if(looks, [&](const Choice& choice) { return looked_.contains(choice); });
       if (!compute_machines(looks, true, with)) return false;
     }
@@ -424,8 +431,9 @@ bool SearchRun::refine_best(const Machines& with) {
   return true;
 }
 
-bool SearchRun::simulate_whole(Trial& trial, const Machines& with) {
-  if (!trial.whole.empty()) return true;
+bool SearchRun::simulate_whole(const Trial& sampled, const Machines& with) {
+  const std::size_t index = index_of(sampled);
+  Trial& trial = trials_[index];
   std::vector<WorkloadRun> whole;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     WorkloadRun& run = whole.emplace_back();
@@ -444,31 +452,69 @@ bool SearchRun::simulate_whole(Trial& trial, const Machines& with) {
   }
   trial.whole = std::move(whole);
   evaluator_.set_goal_values(trial);
-  if (trial.status == PointStatus::kDone) add_to_search(trial, trial.choice);
-  return true;
-}
-
-/// Simulates whole frames of the best machine; if it breaks a limit, of the next best one.
-bool SearchRun::confirm_best(const Machines& with) {
-  for (int round = 0; round < kMostConfirmed; ++round) {
-    const std::vector<const Trial*> front = pareto_front();
-    if (front.empty() || !front.front()->whole.empty()) return true;
-    if (!simulate_whole(trials_[static_cast<std::size_t>(front.front() - trials_.data())], with)) return false;
+  for (const auto& [choice, known] : by_choice_) {
+    if (known == index) add_to_search(trial, choice);
   }
   return true;
 }
 
+const Trial* SearchRun::find_doubtful() const {
+  std::vector<Score> front;
+  for (const Trial* trial : pareto_front()) front.push_back(score_of(*trial));
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials_) {
+    const bool is_open = trial.whole.empty() && trial.is_sampled() && evaluator_.is_doubtful(trial);
+    if (!is_open) continue;
+    const Score score = score_of(trial);
+    const auto is_as_good = [&](const Score& other) { return std::ranges::equal(score, other, std::less_equal{}); };
+    if (std::ranges::any_of(front, is_as_good)) continue;
+    if (best == nullptr || score_of(*best) < score) best = &trial;
+  }
+  return best;
+}
+
+/// Simulates whole frames of machines until the whole front is confirmed by them.
+bool SearchRun::confirm_front(const Machines& with) {
+  while (true) {
+    const std::vector<const Trial*> front = pareto_front();
+    const auto open = std::ranges::find_if(front, [](const Trial* trial) { return trial->whole.empty(); });
+    if (open != front.end()) {
+      if (!simulate_whole(**open, with)) return false;
+      continue;
+    }
+    const Trial* const doubtful = doubtful_ < kMostDoubtful ? find_doubtful() : nullptr;
+    if (doubtful == nullptr) return true;
+    doubtful_ += 1;
+    if (!simulate_whole(*doubtful, with)) return false;
+  }
+}
+
 bool SearchRun::check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
-  for (const Trial* trial : pareto_front()) {
-    if (!simulate_whole(trials_[static_cast<std::size_t>(trial - trials_.data())], {launcher, store, hooks}))
-      return false;
+  return confirm_front({launcher, store, hooks});
+}
+
+/// Simulates all machines of the space.
+bool SearchRun::simulate_space(const Machines& with) {
+  std::vector<std::uint32_t> sizes;
+  for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a)
+    sizes.push_back(static_cast<std::uint32_t>(task_.space.axes[a].values.size()));
+  const std::vector<Choice> all =
+      sweep::choose_combinations({}, sizes, [this](const Choice& choice) { return search_.is_wanted(choice); });
+  for (std::size_t done = 0; done < all.size(); done += task_.batch) {
+    const std::size_t count = std::min<std::size_t>(task_.batch, all.size() - done);
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(done);
+    if (!compute_machines({begin, begin + static_cast<std::ptrdiff_t>(count)}, false, with)) return false;
   }
   return true;
 }
 
 bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
   const Machines with{launcher, store, hooks};
-  const bool is_single = std::ranges::count_if(goals(), &Goal::is_objective) == 1;
+  const bool is_single = has_one_objective();
+  if (task_.simulates_all) {
+    if (!simulate_space(with)) return false;
+    return !is_single || !is_tiled() || confirm_front(with);
+  }
   std::uint64_t reserve = 0;
   if (is_single) {
     for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a) {
@@ -477,8 +523,24 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
     reserve = std::min(reserve, task_.budget / kNeighbourShare);
   }
   if (!spend_until(task_.budget - reserve, with)) return false;
-  if (is_single && !refine_best(with)) return false;
-  return !is_single || !is_tiled() || confirm_best(with);
+  if (!is_single) return true;
+  // Whole frames may reject the best machine, so that others become interesting.
+  while (true) {
+    if (!refine_best(with)) return false;
+    if (!is_tiled()) return true;
+    const auto is_whole = [](const Trial& trial) { return !trial.whole.empty(); };
+    const auto before = std::ranges::count_if(trials_, is_whole);
+    if (!confirm_front(with)) return false;
+    if (std::ranges::count_if(trials_, is_whole) == before) return true;
+  }
+}
+
+bool SearchRun::has_one_objective() const { return std::ranges::count_if(goals(), &Goal::is_objective) == 1; }
+
+Score SearchRun::score_of(const Trial& trial) const {
+  std::vector<double> values;
+  for (std::size_t g = 0; g < goals().size() && goals()[g].is_objective(); ++g) values.push_back(trial.value(g));
+  return search_.score_of(values);
 }
 
 std::vector<const Trial*> SearchRun::feasible_trials() const {
@@ -493,19 +555,14 @@ std::vector<const Trial*> SearchRun::pareto_front() const {
   const std::vector<const Trial*> all = feasible_trials();
   std::vector<const Trial*> front;
   std::vector<Score> scores;
-  const auto objectives = static_cast<std::size_t>(std::ranges::count_if(goals(), &Goal::is_objective));
-  for (const Trial* trial : all) {
-    std::vector<double> values;
-    for (std::size_t o = 0; o < objectives; ++o) values.push_back(trial->value(o));
-    scores.push_back(search_.score_of(values));
-  }
+  for (const Trial* trial : all) scores.push_back(score_of(*trial));
   for (const std::size_t i : pareto_front_of(scores)) front.push_back(all[i]);
   return front;
 }
 
 const Trial* SearchRun::least_infeasible() const {
   const Trial* nearest = nullptr;
-  double least = 0;
+  std::pair<bool, double> least;
   for (const Trial& trial : trials_) {
     if (trial.status != PointStatus::kDone || trial.is_look) continue;
     double miss = 0;
@@ -514,9 +571,11 @@ const Trial* SearchRun::least_infeasible() const {
       if (goal.is_objective() || !trial.compared[g] || goal.is_met(*trial.compared[g])) continue;
       miss += std::abs(*trial.compared[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
     }
-    if (nearest == nullptr || miss < least) {
+    // A machine that was ruled out early may break more limits on the other workloads.
+    const std::pair rank(!trial.is_on_all_workloads(), miss);
+    if (nearest == nullptr || rank < least) {
       nearest = &trial;
-      least = miss;
+      least = rank;
     }
   }
   return nearest;

@@ -31,7 +31,9 @@ struct Neighbour {
 /// 1. A machine is simulated on one workload after the other, first on the workload that ruled out most machines. It
 ///    stops at the first workload that breaks a limit beyond the noise.
 /// 2. With one objective, up to a quarter of the budget goes to neighbours of the best machine.
-/// 3. If frames were sampled, the best machine is simulated whole. If it then breaks a limit, the next best one is.
+/// 3. If frames were sampled, the best machine is simulated whole, and so are up to four better ones that break limits
+///    by less than the noise. If the best machine then breaks a limit, the search continues with the rest of its
+///    budget, until a best machine is confirmed.
 class SearchRun {
  public:
   /// `folder`: where relative paths of the task begin. Throws InputError for an impossible task.
@@ -47,7 +49,7 @@ class SearchRun {
   /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
   /// reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
-  /// Simulates whole frames of the machines on the front. Returns false if interrupted.
+  /// Simulates whole frames until all machines on the front are whole. Returns false if interrupted.
   bool check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
@@ -55,7 +57,8 @@ class SearchRun {
   std::vector<const Trial*> feasible_trials() const;
   /// Feasible machines on the Pareto front, the best in the first objective first.
   std::vector<const Trial*> pareto_front() const;
-  /// Returns the simulated machine with the smallest violation of the constraints; null if none could be simulated.
+  /// Returns the simulated machine with the smallest violation of the constraints, if possible one that ran on all
+  /// workloads; null if none could be simulated.
   const Trial* least_infeasible() const;
   /// Returns the machines that differ from this one in one axis, with estimates and simulations.
   std::vector<Neighbour> neighbours_of(const Trial& trial);
@@ -87,11 +90,11 @@ class SearchRun {
   Choice on_workload(const Choice& machine, std::size_t workload) const;
   /// Returns the tile sampling of a point, empty for whole frames.
   std::string sampling_of(const sweep::Point& point, std::size_t workload);
-  Trial make_trial(const Choice& choice, bool looks);
+  Trial make_trial(const Choice& choice, bool is_look);
   std::vector<std::size_t> workload_order() const;
 
   /// Simulates machines and adds their results to the search. Returns false if interrupted.
-  bool compute_machines(const std::vector<Choice>& choices, bool looks, const Machines& with);
+  bool compute_machines(const std::vector<Choice>& choices, bool is_look, const Machines& with);
   /// Simulates the possible machines, workload by workload. Returns false if interrupted.
   bool simulate_trials(std::vector<Trial>& fresh, const Machines& with);
   /// Simulates the runs of one workload and reads their results.
@@ -103,8 +106,14 @@ class SearchRun {
   bool spend_until(std::uint64_t until, const Machines& with);
   std::vector<Choice> unknown_neighbours();
   bool refine_best(const Machines& with);
-  bool simulate_whole(Trial& trial, const Machines& with);
-  bool confirm_best(const Machines& with);
+  bool simulate_space(const Machines& with);
+  bool simulate_whole(const Trial& sampled, const Machines& with);
+  /// Returns the best doubtful machine that would be on the front; null if there is none.
+  const Trial* find_doubtful() const;
+  bool confirm_front(const Machines& with);
+  bool has_one_objective() const;
+  Score score_of(const Trial& trial) const;
+  std::size_t index_of(const Trial& trial) const { return static_cast<std::size_t>(&trial - trials_.data()); }
 
   Task task_;
   sweep::Planner planner_;
@@ -112,7 +121,7 @@ class SearchRun {
   Evaluator evaluator_;
   std::vector<bool> tiled_;                        ///< by workload: frames are sampled
   std::vector<std::string> resolutions_;           ///< by workload
-  std::string start_;                              ///< of frames: "warm"
+  std::set<std::string> starts_;                   ///< of frames: "warm"
   std::vector<std::vector<std::size_t>> figures_;  ///< by goal and workload: index of the search's figure
   std::size_t figure_count_ = 0;
   Search search_;
@@ -123,6 +132,7 @@ class SearchRun {
   std::vector<std::uint64_t> ruled_out_;  ///< by workload: machines that it ruled out
   std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0, skipped_ = 0, proposed_ = 0;
   std::uint32_t batches_ = 0;
+  int doubtful_ = 0;  ///< doubtful machines simulated whole
   bool has_metrics_ = false;
 };
 

@@ -13,16 +13,16 @@ namespace {
 constexpr const char* kArea = "totals.area_mm2";
 constexpr std::uint64_t kAreaSeed = 0x61726561;  // differs from the seeds of energy entries
 
-sim::Band band_at(const ReportFile& report, const std::string& path) {
-  return {report.number(path + ".low"), report.number(path + ".nominal"), report.number(path + ".high")};
-}
-
 /// Returns the probability that a normal variable is at most `limit`.
 double normal_at_most(double limit, double mean, double error) {
   return std::exp(log_probability({mean, error}, limit, false));
 }
 
 }  // namespace
+
+sim::Band band_at(const ReportFile& report, const std::string& path) {
+  return {report.number(path + ".low"), report.number(path + ".nominal"), report.number(path + ".high")};
+}
 
 double area_at(const sim::Band& band, double quantile) { return value_at_quantile(band, quantile); }
 

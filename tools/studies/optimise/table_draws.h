@@ -45,6 +45,8 @@ class TableDraws {
   std::map<std::string, std::vector<double>> factors_;  ///< by block of EnergyMetric
 };
 
+/// Returns the band of a metric of a report, whose path has the members low, nominal and high.
+sim::Band band_at(const ReportFile& report, const std::string& path);
 /// Returns a quantile of the area within its band, from 0 at low to 1 at high.
 double area_at(const sim::Band& band, double quantile);
 

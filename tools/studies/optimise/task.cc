@@ -63,6 +63,11 @@ Goal parse_constraint_goal(const std::string& text) {
 
 }  // namespace
 
+bool Goal::is_on_each() const {
+  using Fold = sweep::SetMetric::Kind;
+  return fold == Fold::kEach || (fold == Fold::kWorst && is_larger_better() != is_upper_limit());
+}
+
 bool Goal::is_met(double value) const {
   switch (kind) {
     case Kind::kBelow:
@@ -133,7 +138,8 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
 
 /// Other axes of workloads are refused, because the search would choose the easiest one.
 constexpr std::string_view kWorkloadKey =
-    "would make the easiest workload part of the answer; allowed: workloads, because a machine is evaluated on all of them";
+    "would make the easiest workload part of the answer; allowed: workloads, because a machine is evaluated on all of "
+    "them";
 
 double read_confidence(const YamlValue& value) {
   const std::string& text = value.text();

@@ -32,6 +32,8 @@ struct Goal {
   bool is_upper_limit() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
   /// True if the value meets the constraint. Objectives are always met.
   bool is_met(double value) const;
+  /// True for a constraint that is met if it is met on each workload.
+  bool is_on_each() const;
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;
@@ -65,8 +67,9 @@ struct Task {
   std::uint32_t population = 40;       ///< population of NSGA-II
   std::uint32_t batch = 8;             ///< machines simulated in parallel
   Fidelity fidelity = Fidelity::kAuto;
-  std::string sampling;   ///< value of --tile-sampling
-  double confidence = 0;  ///< required probability of each limit; 0: nominal values count
+  std::string sampling;        ///< value of --tile-sampling
+  double confidence = 0;       ///< required probability of each limit; 0: nominal values count
+  bool simulates_all = false;  ///< simulate every machine of the space, without a search
 };
 inline constexpr std::string_view kConfidenceRange = "allowed: a probability of at least 0.5 and below 1";
 /// True for a probability that a search can require. With 0.5 the nominal values nearly decide.

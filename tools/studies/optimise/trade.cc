@@ -17,6 +17,12 @@ constexpr double kNoLoss = 0.005;  // largest relative loss of the objective tha
 /// Returns the part of a limit by which a value breaks it; negative if it meets it.
 double violation_of(const Goal& goal, double value) { return -goal.distance_to_limit(value); }
 
+/// Returns the nominal value of a goal of a machine divided by the value that is compared with its limit.
+double nominal_share(const Trial& trial, std::size_t goal) {
+  const bool is_same = !trial.seen[goal] || !trial.compared[goal] || *trial.compared[goal] == 0;
+  return is_same ? 1 : trial.value(goal) / *trial.compared[goal];
+}
+
 std::string setting_text(const Neighbour& neighbour) {
   return fmt::format("{} {} instead of {}", neighbour.axis, neighbour.to, neighbour.from);
 }
@@ -27,23 +33,30 @@ Trade trade_of(const SearchRun& search, const Trial& best, Neighbour neighbour) 
   trade.is_simulated = trial != nullptr && trial->status == PointStatus::kDone;
   double most = 0;
   bool is_known = true;
+  std::size_t broken = 0;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
-    std::optional<double> value;
+    // With a confidence, a quantile is compared with the limit, and estimates are estimates of this quantile.
+    std::optional<double> value, compared;
     if (trade.is_simulated && trial->seen[g]) {
       value = trial->value(g);
+      compared = goal.is_objective() ? value : trial->compared[g];
     } else if (neighbour.estimates[g]) {
-      value = neighbour.estimates[g]->mean;
+      compared = neighbour.estimates[g]->mean;
+      value = *compared * nominal_share(best, g);
     }
     trade.values.push_back(value);
-    is_known = is_known && value;
-    if (!value || goal.is_objective() || goal.is_met(*value)) continue;
-    const double violation = violation_of(goal, *value);
+    is_known = is_known && value && compared;
+    if (!compared || goal.is_objective() || goal.is_met(*compared)) continue;
+    broken += 1;
+    const double violation = violation_of(goal, *compared);
     if (trade.breaks && violation <= most) continue;
     most = violation;
     trade.breaks = g;
+    trade.reached = *compared;
     if (trade.is_simulated) trade.broken_on = binding_workload(search, *trial, g);
   }
+  trade.breaks_one = broken == 1 && is_known && (!trade.is_simulated || trial->is_on_all_workloads());
   trade.is_feasible = trade.is_simulated ? trial->is_feasible : is_known && !trade.breaks;
   if (trade.values[0]) {
     const double change = *trade.values[0] - best.value(0);
@@ -105,17 +118,15 @@ std::vector<std::string> trade_sentences(const SearchRun& search, const Trial& b
   }
   // Of each limit, the neighbour that gains most per unit of the limit.
   std::map<std::size_t, const Trade*> relaxed;
-  const auto price = [&](const Trade& t) {
-    return t.gain / violation_of(search.goals()[*t.breaks], *t.values[*t.breaks]);
-  };
+  const auto price = [&](const Trade& t) { return t.gain / violation_of(search.goals()[*t.breaks], t.reached); };
   for (const Trade& trade : trades) {
-    if (trade.gain <= 0 || !trade.breaks) continue;
+    if (trade.gain <= 0 || !trade.breaks_one) continue;
     const Trade*& at = relaxed[*trade.breaks];
     if (at == nullptr || price(trade) > price(*at)) at = &trade;
   }
   for (const auto& [g, trade] : relaxed) {
     const Goal& goal = search.goals()[g];
-    out.push_back(fmt::format("{} of {} would allow {} ({} {} {}){}", goal.metric_text(), amount(*trade->values[g]),
+    out.push_back(fmt::format("{} of {} would allow {} ({} {} {}){}", goal.metric_text(), amount(trade->reached),
                               setting_text(trade->neighbour), amount(trade->gain),
                               objective.kind == Goal::Kind::kMax ? "more" : "less", name,
                               trade->is_simulated ? "" : ", estimated"));

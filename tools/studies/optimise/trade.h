@@ -10,11 +10,13 @@ namespace tools::optimise {
 /// What changes if the best machine of a search with one objective is replaced by a neighbour.
 struct Trade {
   Neighbour neighbour;
-  std::vector<std::optional<double>> values;  ///< by goal; nothing if unknown
+  std::vector<std::optional<double>> values;  ///< by goal, nominal; nothing if unknown
   bool is_simulated = false;                  ///< false: the values are estimates
   bool is_feasible = false;
   double gain = 0;                    ///< by how much its objective is better, in the objective's unit
   std::optional<std::size_t> breaks;  ///< the constraint that it breaks most
+  bool breaks_one = false;            ///< it is known to meet all other constraints on all workloads
+  double reached = 0;                 ///< the value that is compared with the limit of `breaks`
   std::string broken_on;              ///< workload that breaks it, if there are several
 };
 

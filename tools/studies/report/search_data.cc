@@ -93,6 +93,8 @@ class SearchFile {
         }
       }
     }
+    const std::string check = json_.contains("check_command") ? text(json_, "check_command") : "";
+    if (!check.empty()) out["commands"].push_back(Json::array({"check of the front", check}));
     return out;
   }
 

@@ -264,7 +264,8 @@ TEST_F(Pages, OfASearchOnSeveralWorkloadsHaveAPointPerMachineAndTheAnswer) {
   for (const Json& limit : search["limits"]) EXPECT_EQ(limit[6], "yes") << limit;
   EXPECT_EQ(search["scatter"]["x"], "power_w.nominal");
   EXPECT_EQ(search["scatter"]["rows"].size(), 6U);
-  EXPECT_EQ(search["commands"].size(), 2U);
+  ASSERT_EQ(search["commands"].size(), 3U) << "a command per workload, and the check";
+  EXPECT_EQ(search["commands"][2][1], "raywatt optimise set.yaml -o set --store store --check");
   EXPECT_EQ(search["checked"], true);
   EXPECT_GE(search["trades"]["rows"].size(), 2U);
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/io/json.h"
-#include "tools/analysis/report_file.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/studies/sweep/results/machine_set.h"
 #include "tools/studies/sweep/spec/set_metric.h"
@@ -48,7 +48,31 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 /// Path of the statistics of a figure of `totals`.
 std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
 
+/// Returns half of the 95 % interval of an estimate of tile sampling, as a share of it; 0 for exact figures.
+double sampling_error(const ReportFile& report, const std::string& figure) {
+  const std::string path = "totals.sampled." + figure;
+  const double estimate = report.number(path + ".estimate");
+  return estimate == 0 ? 0 : (report.number(path + ".high") - report.number(path + ".low")) / 2 / estimate;
+}
+
 }  // namespace
+
+MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
+  const double value = report.number(path);
+  const std::string name = is_totals_path(path) ? metric_name(path) : std::string();
+  if (!tools::is_noisy(name)) return {.value = value};
+  const std::string draws = statistics_path(name);
+  if (report.has("totals.replicates.count") && report.has(draws + ".mean")) {
+    const Draws drawn{static_cast<std::size_t>(report.number("totals.replicates.count")),
+                      report.number(draws + ".mean"), report.number(draws + ".deviation")};
+    return {drawn.mean, drawn};
+  }
+  const double pixels = report.number("resolution[0]") * report.number("resolution[1]");
+  // Intervals of single values are narrower than those of differences of two.
+  const double sampled =
+      std::numbers::sqrt2 * std::max(sampling_error(report, "cycles"), sampling_error(report, "energy_mj"));
+  return {value, std::nullopt, std::hypot(default_noise(pixels, name), sampled)};
+}
 
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()), replicates_(results.rows().size()) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/analysis/report_file.h"
 #include "tools/noise/noise.h"
 #include "tools/studies/sweep/results/results.h"
 
@@ -11,6 +12,10 @@ class Json;
 }
 
 namespace tools::results {
+
+/// Returns a metric of a report with its noise: of its replicates, or as assumed for the size of the picture and for
+/// its tile sampling.
+MeasuredFigure seen_figure(const ReportFile& report, const std::string& path);
 
 /// Significance level of all tests of differences against noise.
 inline constexpr double kError = 0.05;
