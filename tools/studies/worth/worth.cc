@@ -1,6 +1,7 @@
 #include "tools/studies/worth/worth.h"
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ namespace tools::worth {
 namespace {
 
 namespace fs = std::filesystem;
+using optimise::band_at;
 using optimise::Goal;
 using optimise::SearchRun;
 using optimise::Task;
@@ -39,10 +41,6 @@ ReportFile read_point_report(const Store& store, const std::string& id) {
   return report;
 }
 
-sim::Band band_at(const ReportFile& report, const std::string& group) {
-  return {report.number(group + ".low"), report.number(group + ".nominal"), report.number(group + ".high")};
-}
-
 /// Returns a metric under low, nominal and high tables; all equal for a metric without a band.
 sim::Band band_of(const ReportFile& report, const std::string& path) {
   constexpr std::string_view kArea = "totals.area_mm2", kNominal = ".nominal";
@@ -59,6 +57,7 @@ LimitRoom room_to(const Goal& goal, double value) {
 WorkloadResult workload_result(const std::vector<Goal>& goals, const WorkloadRun& run, const ReportFile& report) {
   WorkloadResult out;
   out.name = sim::printable(report.text("scene", "name"));
+  out.resolution = fmt::format("{}x{}", report.number("resolution[0]"), report.number("resolution[1]"));
   out.id = run.point.id;
   out.command = sim::printable(command_text(run.point.run_options().argv), 4096);
   out.fps = report.number("totals.perf.fps");
@@ -117,6 +116,7 @@ std::uint64_t size_of_space(const Task& task) {
 void simulate_all(const SideSearch& search, const optimise::Options& options, SideAnswer& side) {
   Task task = search.task;
   task.batch = kLargestBatch;
+  task.simulates_all = true;
   optimise::Options all = options;
   all.budget = std::max(size_of_space(task), optimise::kLeastBudget);
   optimise::run(all, task, search.text, [&](const SearchRun& done) {
@@ -149,14 +149,27 @@ void check_size(const WorthFile& file) {
   }
 }
 
-void write_page(const Answer& answer, const Store& store, const fs::path& page) {
-  pages::Options options;
-  for (const SideAnswer& side : answer.sides) {
-    if (side.best) options.inputs.push_back(store.folder_of(side.best->workloads.front().id));
+/// Writes a page for each workload, which compares the machines of both sides on it. Returns the files: of several
+/// workloads, the name of the workload is added to the name of the file.
+std::vector<fs::path> write_pages(const Answer& answer, const Store& store, const fs::path& page) {
+  std::vector<fs::path> files;
+  const std::optional<Machine>&with = answer[Side::kWith].best, &any = with ? with : answer[Side::kWithout].best;
+  if (!any) print_message("warning: no machine meets the constraints; there is no page");
+  for (std::size_t w = 0; any && w < any->workloads.size(); ++w) {
+    pages::Options options;
+    for (const SideAnswer& side : answer.sides) {
+      if (side.best) options.inputs.push_back(store.folder_of(side.best->workloads[w].id));
+    }
+    std::string name = any->workloads[w].name;
+    std::ranges::replace_if(
+        name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '-');
+    options.out = page;
+    if (any->workloads.size() > 1)
+      options.out.replace_filename(page.stem().string() + "-" + name + page.extension().string());
+    pages::write_report_page(options);
+    files.push_back(options.out);
   }
-  options.out = page;
-  if (options.inputs.empty()) return print_message("warning: no machine meets the constraints; there is no page");
-  pages::write_report_page(options);
+  return files;
 }
 
 }  // namespace
@@ -189,12 +202,13 @@ int run(const Options& options) {
   }
   const Json json = worth_json(answer);
   sim::write_file_atomically(out / "worth.json", sim::json_text(json));
-  if (!options.page.empty()) write_page(answer, Store(store_root), options.page);
+  std::vector<fs::path> page_files;
+  if (!options.page.empty()) page_files = write_pages(answer, Store(store_root), options.page);
   if (options.json) {
     fmt::print("{}", sim::json_text(json));
   } else if (!options.search.quiet) {
     fmt::print("{}\nresults: {}\n", to_terminal_encoding(worth_text(answer)), (out / "worth.json").string());
-    if (!options.page.empty()) fmt::print("page:    {}\n", options.page.string());
+    for (const fs::path& page : page_files) fmt::print("page:    {}\n", page.string());
   }
   const bool found_any = std::ranges::any_of(answer.sides, [](const SideAnswer& s) { return s.best.has_value(); });
   const bool is_good = std::ranges::all_of(answer.sides, [](const SideAnswer& s) { return s.failed == 0; }) &&

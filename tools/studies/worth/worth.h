@@ -30,9 +30,10 @@ struct LimitRoom {
 
 /// Result of a machine on a workload.
 struct WorkloadResult {
-  std::string name;     ///< of the workload
-  std::string id;       ///< of its point in the store
-  std::string command;  ///< that runs it again
+  std::string name;        ///< of the workload
+  std::string resolution;  ///< of its picture: "512x256"
+  std::string id;          ///< of its point in the store
+  std::string command;     ///< that runs it again
   double fps = 0;
   double target_fps = 0;          ///< frame.fps; 0: none
   sim::Band energy_mj;            ///< per frame

@@ -58,10 +58,11 @@ struct MetricWords {
   std::string words, unit;
 };
 
-/// Returns the rate and the workloads: " at 60 frames/s on chess and cornell".
+/// Returns the rate and the workloads: " at 60 frames/s on chess (512x256), cornell (512x256)".
 std::string context_text(const Machine& machine) {
   std::vector<std::string> names;
-  for (const WorkloadResult& workload : machine.workloads) names.push_back(workload.name);
+  for (const WorkloadResult& workload : machine.workloads)
+    names.push_back(fmt::format("{} ({})", workload.name, workload.resolution));
   const double fps = machine.workloads.front().target_fps;
   return fmt::format("{} on {}", fps > 0 ? fmt::format(" at {:.4g} frames/s", fps) : "", fmt::join(names, ", "));
 }
@@ -194,7 +195,7 @@ std::string check_text(const Answer& answer, Side side) {
   };
   const std::optional<double> error = search_error(found);
   return fmt::format(
-      "check, {}: the best of all machines has {} {} ({} simulated, no other can be better), the search found {}{}\n",
+      "check, {}: the best of all machines has {} {} ({} simulated), the search found {}{}\n",
       names_of(side).at(static_cast<std::size_t>(side)), objective_of(answer).metric_text(),
       value(found.all->objective), found.all->machines,
       value(found.best ? std::optional(found.best->objective) : std::nullopt),
@@ -205,11 +206,9 @@ Json machine_json(const Machine& machine, const std::string& objective) {
   Json out = {{"axes", Json::object()}, {objective, sim::band_json(machine.objective_band)}};
   for (const auto& [name, value] : machine.axes) out["axes"][name] = value;
   for (const WorkloadResult& workload : machine.workloads) {
-    Json entry = {{"name", workload.name},
-                  {"id", workload.id},
-                  {"command", workload.command},
-                  {"fps", workload.fps},
-                  {"energy_mj", sim::band_json(workload.energy_mj)},
+    Json entry = {{"name", workload.name}, {"resolution", workload.resolution},
+                  {"id", workload.id},     {"command", workload.command},
+                  {"fps", workload.fps},   {"energy_mj", sim::band_json(workload.energy_mj)},
                   {"room", Json::object()}};
     entry[workload.target_fps > 0 ? "power_at_fps_w" : "power_w"] = sim::band_json(workload.power_w);
     if (workload.target_fps > 0) entry["target_fps"] = workload.target_fps;

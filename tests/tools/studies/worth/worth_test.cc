@@ -117,6 +117,7 @@ Machine machine_of(const sim::Band& area) {
   machine.objective_band = area;
   WorkloadResult& workload = machine.workloads.emplace_back();
   workload.name = "chess";
+  workload.resolution = "512x256";
   workload.fps = 61;
   workload.target_fps = 60;
   workload.energy_mj = {1, 2, 4};
@@ -143,14 +144,14 @@ TEST(Worth, IsTheShareSavedUnderTheSameTables) {
 
 TEST(Worth, IsSaidInOneSentence) {
   const Machine large = machine_of({10, 20, 40}), small = machine_of({6, 15, 32});
-  EXPECT_EQ(
-      worth_sentence(answer_of(large, small)),
-      "Adaptive sampling saves 5 mm2 of die area (25 %, band 20 to 40 %) at 60 frames/s on chess: 15 mm2 with it, "
-      "20 mm2 without.");
-  EXPECT_EQ(
-      worth_sentence(answer_of(small, large)),
-      "Adaptive sampling costs 5 mm2 of die area (33 %, band 25 to 67 %) at 60 frames/s on chess: 20 mm2 with it, "
-      "15 mm2 without.");
+  EXPECT_EQ(worth_sentence(answer_of(large, small)),
+            "Adaptive sampling saves 5 mm2 of die area (25 %, band 20 to 40 %) at 60 frames/s on chess (512x256): 15 "
+            "mm2 with it, "
+            "20 mm2 without.");
+  EXPECT_EQ(worth_sentence(answer_of(small, large)),
+            "Adaptive sampling costs 5 mm2 of die area (33 %, band 25 to 67 %) at 60 frames/s on chess (512x256): 20 "
+            "mm2 with it, "
+            "15 mm2 without.");
   EXPECT_SAYS(worth_sentence(answer_of(large, large)), "changes nothing");
   EXPECT_SAYS(worth_sentence(answer_of({}, large)), "Only with adaptive sampling");
   EXPECT_SAYS(worth_sentence(answer_of(large, {})), "With adaptive sampling no machine meets");
@@ -226,6 +227,16 @@ TEST_F(WorthVerb, FindsTheSmallestMachinesAndTheirDifference) {
   EXPECT_EQ(Json::parse(again.out), without_check) << "for any number of workers";
 }
 
+TEST_F(WorthVerb, ChecksAgainstEveryMachine) {
+  const ProcessResult ending = run(kHead + kSides + "constraints: [perf.fps > 1]\nresolution: 16x16\nbatch: 1\n" +
+                                       "axes: {cores: [1, 2, 3, 4], tni.trvs: [1, 2, 4]}\nbudget: 8\n",
+                                   {"--check", "--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json json = Json::parse(ending.out);
+  EXPECT_LT(json["with"]["machines"], 12) << "a search ends early";
+  EXPECT_EQ(json["with"]["all"]["machines"], 12);
+}
+
 TEST_F(WorthVerb, TakesTheRateAndAnObjectiveOfItsOwn) {
   const ProcessResult ending =
       run(kHead + kSides + "constraints: [fps_margin >= 1]\nobjectives: [{min: power_at_fps_w}]\n" + kSpace,
@@ -235,7 +246,7 @@ TEST_F(WorthVerb, TakesTheRateAndAnObjectiveOfItsOwn) {
   const Json& workload = json["with"]["best"]["workloads"][0];
   EXPECT_EQ(workload["target_fps"], 100);
   EXPECT_EQ(workload["power_at_fps_w"], json["with"]["best"]["power_at_fps_w"]) << json.dump(1);
-  EXPECT_SAYS(json["answer"].get<std::string>(), " at 100 frames/s on cornell");
+  EXPECT_SAYS(json["answer"].get<std::string>(), " at 100 frames/s on cornell (16x16)");
 }
 
 TEST_F(WorthVerb, WritesAPageOfBothMachines) {
@@ -252,6 +263,13 @@ TEST_F(WorthVerb, WritesAPageOfBothMachines) {
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out, "");
   EXPECT_SAYS(read_bytes(page), "tni.trv.box_testers");
+
+  folder.write("worth.yaml", kHead + kSides + "workloads: [cornell, teapot]\n" + kSpace);
+  fs::remove(page);
+  ASSERT_EQ(raywatt(words, {.variables = {{"RAYWATT_PATH", (folder.path() / "scripts").string()}}}).exit, 0);
+  EXPECT_FALSE(fs::exists(page));
+  for (const char* workload : {"cornell", "teapot"})
+    EXPECT_SAYS(read_bytes(folder.path() / fmt::format("both-{}.html", workload)), workload);
 }
 
 TEST_F(WorthVerb, WithoutAFeasibleMachineEndsWithOne) {
