@@ -55,8 +55,8 @@ class Link {
     if (size_ != 0) *occupancy_mask_ |= bit_;
   }
 
-  /// Makes the link mirror its pop_at() into `*pop_at`. When an item enters the empty link, the link also lowers
-  /// `*soonest` to that time.
+  /// Makes the link keep `*pop_at` equal to its pop_at(). When an item enters the empty link, the link also lowers
+  /// `*soonest` to the time from which that item can be popped.
   void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;

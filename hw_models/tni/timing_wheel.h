@@ -62,7 +62,7 @@ class TimingWheel {
   }
   /// Returns 1 if any slot of the unit completes in the given cycle, else 0.
   std::uint64_t completes_in(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
-  /// Returns the time of the next completion of any slot after the given cycle; kNever if all pipes are empty.
+  /// Returns the time of the first completion in any pipe after the given cycle; kNever if all pipes are empty.
   sim::Time next_completion(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle.number & last_bin_;

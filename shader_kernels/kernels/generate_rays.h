@@ -233,7 +233,7 @@ struct VisibleRayPorts {
   }
 };
 
-/// Returns the geometry record that reconstruct keeps of a ray that hits nothing.
+/// Returns the geometry record that the program reconstruct stores for a ray that hits nothing.
 template <class V>
 VisibleRecord<V> visible_miss_record() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};

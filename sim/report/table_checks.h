@@ -14,8 +14,8 @@ namespace sim {
 // A table entry that no unit or counter uses is assumed to be misspelt. These functions then throw InputError with the
 // nearest known name.
 
-/// Throws InputError unless the events in an energy table are exactly `declared`, the events of all counters without
-/// those of devices.
+/// Throws InputError unless the events in an energy table are exactly those in `declared`: the events of all counters
+/// except the counters of the block "dram".
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared);
 
 /// Checks that an energy table contains only names of the given units and their parts. Names of units are

@@ -60,7 +60,7 @@ class ChildProcess {
 
   /// Returns the reading end of the pipe from the child, for poll().
   int pipe_end() const { return pipe_end_; }
-  /// Waits for data from the child and reads them. Returns false at the end of the text.
+  /// Waits for output of the child process and reads it. Returns false at the end of the output.
   bool receive_data();
   const std::string& received_text() const { return text_; }
   /// Waits until the child has ended and returns its exit status in the format of waitpid().

@@ -80,8 +80,8 @@ class Progress {
   /// Sets the number of parts into which the job is divided for the progress display. A later call starts to count
   /// parts at zero.
   void expect_parts(std::uint32_t parts, const std::string& label = {});
-  /// Begins a part of the job: one frame of one frame program. `before`: tiles that earlier work finished, for a job of
-  /// one part.
+  /// Begins a part of the job: one frame of one frame program. `before`: number of its tiles that were finished before
+  /// this process began; must be 0 if the job has several parts.
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
   /// Sets the finished tiles, rays and cycles of the current part; the last tile ends the part.
   void set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);

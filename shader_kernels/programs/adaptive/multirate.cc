@@ -4,8 +4,8 @@ namespace kernels {
 
 namespace {
 
-/// True if the checks include secondary hits. With fused kernels, similarity checks that this scene cannot fail are
-/// omitted.
+/// True if similarity checks compare secondary hits. With fused kernels, they do not if the scene emits no secondary
+/// rays, because all samples would pass.
 bool has_secondary_checks(const MultirateConfig& multirate, const SceneTables& scene) {
   return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
 }

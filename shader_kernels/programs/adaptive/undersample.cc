@@ -203,7 +203,8 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
   }
 }
 
-/// Launches kernel K, which stores the samples' identity words in the tile buffer, then writes these words to memory.
+/// Launches kernel K, which stores for each sample, in the tile buffer, a word that identifies what the sample shows.
+/// Then adds the transfer of these words to memory.
 template <class K>
 Wavefront::Node UndersampleProgram::store_identity_words(BlockTile& tile) const {
   typename K::template Ports<float> ports;

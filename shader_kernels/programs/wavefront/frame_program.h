@@ -29,7 +29,8 @@ class FrameProgram {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  /// Returns the number of entries (mostly tiles) in all passes of the frame.
+  /// Returns the number of entries in all passes of the frame. Most entries are tiles; those of a geometry pass are
+  /// batches of triangles.
   virtual std::uint32_t tiles() const = 0;
   /// Returns the number of tiles of the picture, across and down. Returns 0 if the program's entries are not tiles of
   /// one grid.

@@ -43,7 +43,7 @@ sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time el
 /// Copies time, counters and energy of a finished machine into `s`.
 void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s);
 
-/// Configuration of a machine that simulates recorded work.
+/// Configuration of a machine on which recorded work is simulated.
 struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;

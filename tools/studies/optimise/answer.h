@@ -37,7 +37,7 @@ std::string front_csv(const SearchRun& search);
 std::string history_jsonl(const SearchRun& search);
 /// Returns what the page of a search shows (schema raywatt-search/1).
 sim::Json search_json(const Answer& answer);
-/// Returns "the smallest machine ...: area_mm2 29.7", the answer in a sentence.
+/// Returns the answer of a search in a sentence: "Machine 7 with ... has the least area_mm2 of 90 machines: 29.7."
 std::string answer_sentence(const Answer& answer);
 
 /// Returns the indices of the goals to show as columns: one goal for each metric.

@@ -37,8 +37,8 @@ struct Goal {
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;
-  /// Returns the distance of a value from the goal's limit, divided by the limit if the limit is not 0. Negative if the
-  /// constraint is violated.
+  /// Returns the distance of a value from the limit of this goal, a constraint. It is divided by the limit if that is
+  /// not 0. Negative if the constraint is violated.
   double distance_to_limit(double value) const;
   /// Returns distance_to_limit() as text: "1.7 %", "-0.25".
   std::string distance_text(double value) const;

@@ -359,8 +359,8 @@ DebugPictures debug_pictures_of(const ReportFile& report) {
   return out;
 }
 
-/// Returns the pictures of the frames as data: URLs, each averaged to at most `max_pixels` pixels. Missing ones are
-/// null.
+/// Returns the picture of each frame as a `data:` URL, scaled down by averaging to at most `max_pixels` pixels. Missing
+/// and unreadable pictures are null.
 std::vector<Json> frame_pictures(const std::vector<fs::path>& files, std::size_t max_pixels) {
   std::vector<Json> pictures;
   for (const fs::path& file : files) {

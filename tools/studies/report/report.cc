@@ -183,9 +183,10 @@ Json series_json(const ReportFile& report) {
 }
 
 /// Returns the data of a page about a run: its report, and data that the page's script cannot compute from it:
-///   title, command; report (of `frames` only what the page lists)
+///   title, command
+///   report       the report; each entry of `frames` has only the keys that the page lists
 ///   unit_kinds   [{name, reasons: [{name, kind, meaning}]}]
-///   resources    words by name, e.g. {"l1": "first-level caches"}
+///   resources    {name: description}, e.g. {"l1": "first-level caches"}
 ///   kernels      {name: {meaning, bound}}; bound: what limits the initiation interval
 ///   flow         [[from, to, low, nominal, high], ...] in mJ; null, with the reason in not_priced
 ///   series       {begin_us, end_us, all: [{group, name, unit, values}]}, or a note

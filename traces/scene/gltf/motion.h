@@ -17,8 +17,8 @@ std::shared_ptr<const Deformation> read_deformation(Context& context, const tiny
                                                     const Mesh& mesh, bool flat_normals,
                                                     const std::vector<std::uint32_t>& from);
 
-/// Fills Scene::skins, one per glTF skin that a shown mesh uses (others remain empty), and sizes the morph weights of
-/// nodes. Call after read_nodes(). Throws InputError for joints that are not shown.
+/// Fills Scene::skins with one entry per glTF skin; entries that no mesh of the scene uses stay empty. Also sizes the
+/// nodes' morph weights. Call after read_nodes(). Throws InputError for joints that are not nodes of the scene.
 void read_skins_and_morph_weights(Context& context);
 
 /// Fills Scene::tracks from all animations, which play together. If two move the same property of a node, the first is

@@ -189,7 +189,8 @@ std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
   return static_cast<std::uint32_t>(nodes.size() - 1);
 }
 
-/// Shows a node's mesh once, or once per transform of EXT_mesh_gpu_instancing; each transform becomes a node.
+/// Adds a node's mesh to the scene: once, or once per transform in the node's EXT_mesh_gpu_instancing extension. Each
+/// such transform becomes a scene node.
 void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                std::uint32_t index, const std::string& what) {
   const std::vector<Transform> copies = read_instancing(context, node, what);

@@ -324,7 +324,7 @@ void add_ceiling(Scene& scene, const Materials& materials, const Detail& detail)
   add_cornice(scene, materials);
 }
 
-/// Adds three windows in the wall at +z, with curved slats before them.
+/// Adds three windows in the wall at +z, with curved slats in front of them.
 void add_windows(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float kLow = 1.05F, kHigh = 2.5F, kWide = 2.3F, kLeft[] = {0.6F, 3.45F, 6.3F};
   const glm::mat4 wall = wall_axes({kHalfLength, 0, kHalfWidth}, {0, 0, -1});

@@ -56,7 +56,7 @@ class Launcher {
   /// Computes uncut points and slices. A cut point is passed after all its slices have ended, so that they are joined.
   virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
-  /// False if a point with this status is done, or failed and is not retried.
+  /// True if a point with this status must still be computed: it is not done, and if it failed, it is retried.
   bool needs_computing(PointStatus status) const {
     return !is_done(status) && (retry_failed_ || status != PointStatus::kFailed);
   }

@@ -613,7 +613,8 @@ std::string input_fingerprint(const std::vector<ListedPoint>& points, const swee
   return all.hex_digest();
 }
 
-/// Returns the counts of the index if it was made from these inputs and the CSV files are unchanged.
+/// Returns the numbers of points by status from a sweep's index. Returns nothing if the inputs (`fingerprint`) or the
+/// CSV files have changed since the index was made.
 std::optional<Collected> load_if_current(const fs::path& sweep, const std::string& fingerprint) {
   try {
     const std::unique_ptr<SQLite::Database> index = open_index(sweep / "index.sqlite");

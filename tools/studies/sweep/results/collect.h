@@ -18,9 +18,9 @@ struct Collected {
   bool unchanged = false;  ///< no input had changed since the last collection, so nothing was written
 };
 
-/// Makes index.sqlite from points.jsonl and the store, results.csv from the index and, for a set of workloads,
-/// machines.csv. All are replaced as a whole; another collector of the same sweep waits. Does nothing if no input has
-/// changed. Throws InputError for a damaged list of points.
+/// Makes a sweep's index.sqlite from points.jsonl and the result store, and results.csv from the index. A sweep with
+/// several workloads also gets machines.csv. Each file is replaced atomically. Waits while another process collects the
+/// same sweep. Does nothing if no input has changed. Throws InputError for a damaged list of points.
 Collected collect_results(const sweep::SweepFolder& folder);
 /// Calls collect_results(). If the folder is read-only but has an index, it prints only a warning that ends with
 /// `consequence`.

@@ -62,7 +62,8 @@ class Planner {
 /// Called after each planned point with the numbers of planned points and of all points.
 using PlanProgress = std::function<void(std::size_t points, std::size_t of)>;
 
-/// Plans the points of a sweep, in order, with their keys. Throws InputError as Planner.
+/// Plans the points of a sweep, in order. Each point has its id and the key of its recorded work (Point::stream).
+/// Throws InputError like Planner's constructor, for values that are not allowed.
 std::vector<Point> plan_points(const Spec& spec, const std::filesystem::path& folder,
                                const PlanProgress& progress = {});
 
