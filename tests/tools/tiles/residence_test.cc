@@ -27,7 +27,7 @@ TEST(TileTimeShares, OfAllCoresTogetherIsTheWholeTime) {
   EXPECT_DOUBLE_EQ(all.tiles[0] + all.tiles[1] + all.tiles[2] + all.rest, 1);
 }
 
-TEST(TileTimeShares, OfNobodyIsAllRest) { EXPECT_EQ(tile_time_shares({}, 20, {}).rest, 1); }
+TEST(TileTimeShares, WithoutTilesAreAllRest) { EXPECT_EQ(tile_time_shares({}, 20, {}).rest, 1); }
 
 }  // namespace
 }  // namespace tools::test

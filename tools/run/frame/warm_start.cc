@@ -37,16 +37,14 @@ constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
 /// assumed to be evicted.
 constexpr std::uint64_t kFillsPerLine = 2;
 
-/// Warms the machine's caches with the tiles of a front end, starting with entry `first` of the tile list. Tiles are
-/// assigned to cores round robin. Returns the number of lines filled into the L2.
-std::uint64_t warm_caches_from(hw::Gpu& gpu, FrontEnd& front_end, std::uint32_t first) {
+/// Warms the machine's caches with the tiles of a front end, which are assigned to cores round robin. Returns the
+/// number of lines filled into the L2.
+std::uint64_t warm_caches_from(hw::Gpu& gpu, FrontEnd& front_end) {
   std::uint64_t filled = 0;
-  std::uint32_t core = 0, index = 0;
+  std::uint32_t core = 0;
   while (const traces::TileWork* work = front_end.next()) {
-    if (index++ >= first) {
-      filled += gpu.warm_caches(*work, core);
-      core = core + 1 == gpu.core_count() ? 0 : core + 1;
-    }
+    filled += gpu.warm_caches(*work, core);
+    core = core + 1 == gpu.core_count() ? 0 : core + 1;
     front_end.release_work(work);
   }
   return filled;
@@ -59,7 +57,7 @@ void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const trac
   const std::uint32_t all = frame.tiles();
   if (!has_one_pass(frame)) {
     FrontEnd front_end(frame, tracer, workers);
-    warm_caches_from(gpu, front_end, 0);
+    warm_caches_from(gpu, front_end);
     return;
   }
   const hw::CacheContents empty = gpu.cache_contents();
@@ -69,7 +67,7 @@ void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const trac
     std::iota(last.begin(), last.end(), first);
     UncommittedTiles program(frame);
     FrontEnd front_end(program, tracer, workers, true, std::move(last));
-    const std::uint64_t filled = warm_caches_from(gpu, front_end, 0);
+    const std::uint64_t filled = warm_caches_from(gpu, front_end);
     if (first == 0 || filled >= kFillsPerLine * gpu.shared_line_count()) return;
     gpu.set_cache_contents(empty);
   }

@@ -180,7 +180,7 @@ Json measure_in_child(const std::string& scene, const BenchOptions& options, con
   std::string text;
   int status = 0;
   {
-    const HoldInterrupts hold;  // an interrupt must not leave the folder behind
+    const HoldInterrupts hold;  // an interrupt must not prevent the removal of the folder
     const ScratchFolder scratch;
     ChildProcess child([&] { return sim::json_line(measure_scene(scene, options, all, other, scratch.folder())); });
     for (bool is_open = true; is_open && !is_interrupted();) {

@@ -185,11 +185,10 @@ Json search_json(const Answer& answer) {
                              {"less", goal.is_less_better()},
                              {"limit", goal.is_objective() ? Json() : Json(goal.limit)}});
   }
-  const sweep::Spec& space = search.task().space;
-  for (std::size_t a = search.task().workloads.empty() ? 0 : 1; a < space.axes.size(); ++a) {
+  for (const sweep::Axis& axis : search.task().machine_axes()) {
     Json values = Json::array();
-    for (const sweep::Axis::Value& value : space.axes[a].values) values.push_back(value.label);
-    json["axes"].push_back({{"name", space.axes[a].name}, {"values", std::move(values)}});
+    for (const sweep::Axis::Value& value : axis.values) values.push_back(value.label);
+    json["axes"].push_back({{"name", axis.name}, {"values", std::move(values)}});
   }
   for (const Trial& trial : search.trials()) {
     if (!trial.is_look && trial.status != PointStatus::kImpossible) json["trials"].push_back(trial_json(search, trial));

@@ -116,7 +116,7 @@ void Evaluator::set_goal_values(Trial& trial) const {
     std::vector<sweep::WorkloadValue> values = values_of(runs, g);
     const bool is_each = goal.fold == Fold::kEach || goal.fold == Fold::kWorst;
     const bool is_incomplete = std::ranges::any_of(values, [](const auto& v) { return !v.seen; });
-    // Of a machine that was ruled out, the worst of its workloads so far is shown.
+    // A machine that was ruled out shows the worst of the workloads on which it was simulated.
     if (is_each && (!goal.is_objective() || sweep::is_metric_of_machine(goal.metric))) {
       std::erase_if(values, [](const auto& v) { return !v.seen; });
     }

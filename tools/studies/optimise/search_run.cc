@@ -29,7 +29,7 @@ constexpr std::size_t kLooksPerPoint = 4;      // first looks per simulated poin
 constexpr std::uint64_t kMostImpossible = 10;  // impossible points tolerated for each point of the budget
 /// Share of tiles from which whole frames, whose work is recorded once for all machines, take no longer than samples.
 constexpr double kWorthSampling = 0.6;
-constexpr double kLargePicture = 1'000'000;  // pixels from which sampled tiles stand for the frame (docs/sampling.md)
+constexpr double kLargePicture = 1'000'000;  // pixels from which sampled tiles predict the frame (docs/sampling.md)
 
 /// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {
@@ -108,7 +108,7 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
                                         error.what()));
     }
   }
-  const Choice first(task_.space.axes.size() - (task_.workloads.empty() ? 0 : 1), 0);
+  const Choice first(task_.machine_axes().size(), 0);
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     const Point point = planner_.make_point(on_workload(first, w), "");
     const RunConfig& config = keys_.config_of(point);
@@ -129,8 +129,7 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
 
 Space SearchRun::make_space() const {
   Space space;
-  for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a) {
-    const sweep::Axis& axis = task_.space.axes[a];
+  for (const sweep::Axis& axis : task_.machine_axes()) {
     space.axes.push_back({static_cast<std::uint32_t>(axis.values.size()), is_ordered(axis)});
   }
   space.is_wanted = [this](const Choice& choice) {
@@ -389,7 +388,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
 
 /// Simulates proposed machines until `until` have been simulated. Returns false if interrupted.
 bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
-  const std::uint64_t axes = task_.space.axes.size() - (task_.workloads.empty() ? 0 : 1);
+  const std::uint64_t axes = task_.machine_axes().size();
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
   while (simulated_ < until && proposed_ < task_.budget * (kMostImpossible + 1)) {
     const std::size_t count = std::min(simulated_ == 0 ? std::min(first, until) : task_.batch, until - simulated_);
@@ -496,8 +495,7 @@ bool SearchRun::check_front(sweep::Launcher& launcher, const sweep::Store& store
 /// Simulates all machines of the space.
 bool SearchRun::simulate_space(const Machines& with) {
   std::vector<std::uint32_t> sizes;
-  for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a)
-    sizes.push_back(static_cast<std::uint32_t>(task_.space.axes[a].values.size()));
+  for (const sweep::Axis& axis : task_.machine_axes()) sizes.push_back(static_cast<std::uint32_t>(axis.values.size()));
   const std::vector<Choice> all =
       sweep::choose_combinations({}, sizes, [this](const Choice& choice) { return search_.is_wanted(choice); });
   for (std::size_t done = 0; done < all.size(); done += task_.batch) {
@@ -517,9 +515,7 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
   }
   std::uint64_t reserve = 0;
   if (is_single) {
-    for (std::size_t a = task_.workloads.empty() ? 0 : 1; a < task_.space.axes.size(); ++a) {
-      reserve += task_.space.axes[a].values.size() > 1 ? 2 : 0;
-    }
+    for (const sweep::Axis& axis : task_.machine_axes()) reserve += axis.values.size() > 1 ? 2 : 0;
     reserve = std::min(reserve, task_.budget / kNeighbourShare);
   }
   if (!spend_until(task_.budget - reserve, with)) return false;
@@ -589,10 +585,9 @@ std::vector<Neighbour> SearchRun::neighbours_of(const Trial& trial) {
   for (std::size_t c = 0; c < choices.size(); ++c) {
     Neighbour& near = all.emplace_back();
     near.choice = choices[c];
-    const std::size_t shift = task_.workloads.empty() ? 0 : 1;
     for (std::size_t a = 0; a < choices[c].size(); ++a) {
       if (choices[c][a] == trial.choice[a]) continue;
-      const sweep::Axis& axis = task_.space.axes[a + shift];
+      const sweep::Axis& axis = task_.machine_axes()[a];
       near.axis = axis.name;
       near.from = axis.values[trial.choice[a]].label;
       near.to = axis.values[choices[c][a]].label;

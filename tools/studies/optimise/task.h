@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,6 +71,9 @@ struct Task {
   std::string sampling;        ///< value of --tile-sampling
   double confidence = 0;       ///< required probability of each limit; 0: nominal values count
   bool simulates_all = false;  ///< simulate every machine of the space, without a search
+
+  /// Returns the axes that distinguish machines: all but the axis of workloads.
+  std::span<const sweep::Axis> machine_axes() const { return std::span(space.axes).subspan(workloads.empty() ? 0 : 1); }
 };
 inline constexpr std::string_view kConfidenceRange = "allowed: a probability of at least 0.5 and below 1";
 /// True for a probability that a search can require. With 0.5 the nominal values nearly decide.

@@ -106,9 +106,7 @@ void read_search(const SearchRun& search, const Store& store, SideAnswer& side) 
 /// Returns the number of machines in a space, including those that it excludes.
 std::uint64_t size_of_space(const Task& task) {
   std::uint64_t machines = 1;
-  for (const sweep::Axis& axis : task.space.axes) {
-    if (!sweep::changes_workload(axis)) machines *= axis.values.size();
-  }
+  for (const sweep::Axis& axis : task.machine_axes()) machines *= axis.values.size();
   return machines;
 }
 

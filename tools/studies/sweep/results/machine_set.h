@@ -22,7 +22,7 @@ struct MachineSet {
   /// True if machines are evaluated on more than one workload.
   bool is_set() const { return workloads.size() > 1; }
   bool is_axis(std::string_view name) const;
-  /// Row of the first point of a machine, which stands for the machine in columns and selections.
+  /// Returns the row of the first point of a machine. Columns and selections of machines use this row.
   std::size_t first_row(std::size_t machine) const;
   /// Returns the rows of all points of the machines of `of`, in order.
   std::vector<std::size_t> points_of(const std::vector<std::size_t>& of) const;

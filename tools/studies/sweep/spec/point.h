@@ -84,7 +84,7 @@ sim::Json slice_identity(const Point& slice);
 std::string format_point_line(const Point& point);
 Point parse_point_line(const std::string& line, const std::string& where);
 
-/// Digest that stands for scenes that are not files.
+/// Text in place of the digest for scenes that are not files.
 inline constexpr std::string_view kBuiltIn = "built-in";
 
 /// Computes ids of points from all that their results depend on. Caches configurations and scene files, because many
