@@ -127,7 +127,7 @@ void TraceReader::read_table_of_contents() {
 TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return add_file_name_to_errors([&]() -> TileScope {
-    return {decode_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
+    return {decode_child_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
             tree.counts,
             kernels,
             part.requirements.region_bytes,

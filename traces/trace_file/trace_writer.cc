@@ -91,7 +91,7 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
   if (trees.empty() || links != links_ || counts != counts_) {
     links_ = std::move(links);
     counts_ = counts;
-    Json tree = append_block(encode_links(links_));
+    Json tree = append_block(encode_child_links(links_));
     tree["nodes"] = links_.nodes.size();
     tree["counts"] = to_json(counts);
     trees.push_back(std::move(tree));

@@ -129,7 +129,7 @@ Links links_of(const MemoryImage& image) {
   return links;
 }
 
-std::string encode_links(const Links& links) {
+std::string encode_child_links(const Links& links) {
   std::string out;
   ByteWriter to(out);
   LeafEnds ends;
@@ -151,7 +151,7 @@ std::string encode_links(const Links& links) {
   return out;
 }
 
-Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
+Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
   // Each child and each instance takes at least one byte.
   if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size())
     ByteReader::throw_out_of_range("tree: number of nodes");

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kMaxTreeDepth = 128;
 
 Links links_of(const MemoryImage& image);
 
-std::string encode_links(const Links& links);
+std::string encode_child_links(const Links& links);
 
 /// Decodes a tree and checks it. Throws InputError unless all of these hold:
 ///
@@ -29,6 +29,6 @@ std::string encode_links(const Links& links);
 /// 2. The tree is no deeper than kMaxTreeDepth, and its leaves contain only triangles of the scene.
 /// 3. With instances, it is a tree over instances with `counts.trees` trees below. Each leaf has one instance, no
 ///    instance appears twice, and each tree below belongs to an instance.
-Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts);
+Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts);
 
 }  // namespace traces
