@@ -22,17 +22,18 @@ struct Ray {
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffU;
 
-// Flags of a triangle, stored above its index in every hit. Traversal reads no textures, so a shader decides from the
-// flags whether the surface exists at the hit and how much light passes.
+// Flags of a triangle, in the two top bits of Hit::triangle. Traversal reads no textures, so a shader that sees a flag
+// determines whether the surface exists at the hit and how much light passes.
 inline constexpr std::uint32_t kAlphaFlag = 1U << 31;  ///< the material has alpha: any ray may pass through
 inline constexpr std::uint32_t kTintFlag = 1U << 30;   ///< the material is transparent: shadow rays are tinted
 inline constexpr std::uint32_t kTriangleMask = kTintFlag - 1;
 
-/// The intersection of a ray and a triangle. `u` and `v` are the barycentric weights of the second and third vertex.
-/// `triangle` is the index in the memory image's leaf order, with the triangle's flags above it.
+/// The intersection of a ray and a triangle. `u` and `v` are the barycentric weights of the second and third vertex. In
+/// `triangle`, the two top bits are the triangle's flags (kAlphaFlag, kTintFlag) and the others its index in the memory
+/// image's leaf order.
 ///
-/// For a shadow ray, a hit without flags means that an opaque triangle blocks the ray; it may be any blocking triangle.
-/// A flagged hit is the nearest of all hits.
+/// For a shadow ray, a hit without flags is any opaque triangle that blocks the ray. A hit with flags is the nearest
+/// hit, which means that no opaque triangle blocks the ray.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0;
@@ -65,7 +66,8 @@ inline std::uint32_t instance_index_of(const Hit& hit) {
                                                                  << kHalfBits;
 }
 
-/// Where a tracer appends the canonical walks of rays (walk.h). `begin` gets the index of the first word of each ray.
+/// Buffers to which a tracer appends the recorded traversals of rays (canonical walks, walk.h). It appends to `begin`
+/// the index of each ray's first word.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;

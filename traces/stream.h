@@ -45,7 +45,7 @@ struct Edge {
 /// The part of memory that a transfer of a tile reads or writes.
 enum class Region : std::uint8_t {
   kPicture,  ///< finished pixels, one block per tile
-  kSamples,  ///< attributes and colours of samples: halos, or all samples if they do not fit the tile buffer
+  kSamples,  ///< attributes and colours of samples that other tiles read, or that do not fit the tile buffer
   kRates,    ///< sampling rates of tiles, kept from frame to frame
   kCount
 };
@@ -101,7 +101,7 @@ struct ListRun {
 };
 
 /// Data of a rasteriser node: ranges within TileWork::raster_triangles and TileWork::list_runs. A kBin node writes its
-/// runs. A kRaster node reads its runs, which have one entry per triangle.
+/// list runs; a kRaster node reads its list runs, which have one entry per triangle.
 struct RasterWork {
   std::uint32_t first_triangle = 0, triangles = 0;
   std::uint32_t first_run = 0, runs = 0;
@@ -136,13 +136,13 @@ struct TileWork {
   std::uint32_t frame = 0;
   std::uint32_t tile = 0;
   std::uint32_t samples = 0;
-  std::vector<Border> imports;  ///< borders of earlier tiles that transfers read; each waits for its border
+  std::vector<Border> imports;  ///< borders of earlier tiles; a transfer that reads one waits for it
   bool after_all = false;       ///< barrier: all earlier tiles of the list must finish first
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
   std::vector<Access> accesses;             ///< memory accesses of all launches with has_accesses, in item order
-  std::vector<std::uint32_t> access_begin;  ///< for each item with accesses, its first access; then the end
+  std::vector<std::uint32_t> access_begin;  ///< index of the first access of each item with accesses; then the end
   std::vector<std::uint32_t> sources;       ///< source items (WorkNode::sources); non-decreasing within a node
   std::vector<RasterWork> raster;           ///< data of rasteriser nodes, in node order, like the next two vectors
   std::vector<RasterTriangle> raster_triangles;

@@ -31,7 +31,8 @@ constexpr float kTieOfDiagonal = 1e-6F;
 /// An Embree setting without fused multiply-add, so that edge tests round as in BvhTracer on every processor.
 const std::string kInstructionSet = "isa=sse4.2";
 
-/// The key by which BvhTracer's rule orders hits: distance, then number of the triangle.
+/// Sort key of hits in BvhTracer's rule: hits inside the triangle by its test come first; then by distance, instance
+/// and triangle number.
 struct Rank {
   bool inside = false;
   float t = 0;
@@ -157,8 +158,8 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
 
 void EmbreeTracer::Impl::attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const {
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  // Embree reads a triangle record as four vertices. No triangle uses the fourth, which contains the labels. The last
-  // one is omitted, because Embree reads 16 bytes per vertex.
+  // Embree reads a triangle record as four vertices. No triangle uses the fourth, which contains the record's integers.
+  // The last vertex of the array is omitted, because Embree reads 16 bytes per vertex.
   static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, &image_.triangles[first], 0,
                              sizeof(glm::vec3), 4 * count - 1);

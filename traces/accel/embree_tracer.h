@@ -15,7 +15,8 @@ namespace traces {
 /// 2. Of triangles within rounding error of each other along a ray, it returns the triangle that BvhTracer prefers: the
 ///    nearest by the test of ray_tests.h, then the lowest `source`. Embree alone would return the one it meets
 ///    first.
-/// 3. A blocked shadow ray returns triangle 0; in a scene with flagged or single-sided triangles, its nearest hit.
+/// 3. The hit of a blocked shadow ray names triangle 0. In a scene with flagged (ray.h) or single-sided triangles it is
+///    the nearest hit.
 class EmbreeTracer : public Tracer {
  public:
   /// Builds Embree's tree on `threads` threads (0: all). `image` must outlive the tracer. Throws sim::Cancelled if

@@ -101,7 +101,7 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   const double twice_area = glm::length(normal);
   for (std::size_t i = 0; i < 3 && certainty != Certainty::kMiss; ++i) {
     const glm::dvec3 edge = v[(i + 1) % 3] - v[i];
-    // distance of the hit from the edge, times the length of the edge
+    // distance of the hit from the edge (positive inside the triangle), times the length of the edge
     const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;
     const double margin = std::max(kBarycentricMargin * twice_area, length_margin * glm::length(edge));
     certainty = less_certain(certainty, certainty_of(inwards, margin));

@@ -8,9 +8,9 @@
 
 namespace traces {
 
-/// Whether a ray hits a triangle, computed in double precision. kUncertain: the hit is within 1e-5 (barycentric) or
-/// 1e-6 of the scene's diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single
-/// precision may then decide either way.
+/// Whether a ray hits a triangle, computed in double precision. kUncertain: the hit is so close to an edge of the
+/// triangle or to an end of the ray that single precision may decide either way. The margin is 1e-5 (of barycentric
+/// weights or of the distance) or 1e-6 of the scene's diagonal.
 enum class Certainty { kMiss, kUncertain, kHit };
 
 struct ExactHit {

@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Configuration keys of the rasteriser: how much of its work is recorded together.
+/// Configuration keys of the rasteriser: sizes of a batch of triangles and of a block of pixels.
 struct RasterConfig {
   std::uint32_t batch = 1024;
   std::uint32_t block = 8;

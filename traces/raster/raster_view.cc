@@ -66,7 +66,7 @@ bool bounds_of(const std::array<Projected, 3>& vertices, double near, RasterBoun
       add({a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part, near});
     }
   }
-  // An edge function and a projected corner round differently, so a sample on the side of the box may be covered.
+  // Enlarges the box by rounding errors: the edge functions may cover a sample just outside the projected corners.
   constexpr double kRounding = 1e-12;
   const glm::dvec2 slack = kRounding * (1.0 + glm::max(glm::abs(bounds.box.low), glm::abs(bounds.box.high)));
   bounds.box = {bounds.box.low - slack, bounds.box.high + slack};

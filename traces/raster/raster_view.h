@@ -42,10 +42,10 @@ struct PictureBox {
 };
 
 /// The homogeneous edge functions of a triangle (Olano & Greer 1997). They find which samples the triangle covers
-/// without clipping, even if a vertex is close to the eye or behind it. Both faces are drawn.
+/// without clipping, even if a vertex is close to the eye or behind it. Front and back faces are rasterised.
 ///
-/// A sample on an edge belongs to the triangle on the right of it, or below a horizontal edge. Triangles that share an
-/// edge compute the same value for it, so the sample is covered exactly once.
+/// A sample exactly on an edge belongs to the triangle to the right of that edge, or below it if the edge is
+/// horizontal. Triangles that share an edge compute the same value for it, so the sample is covered exactly once.
 class EdgeFunctions {
  public:
   /// Prepares a triangle. Returns false if it has no area in the picture or a vertex that is not finite.

@@ -23,8 +23,8 @@ struct Coverage {
   std::vector<std::uint32_t> layers;     ///< for each sample, the number of triangles that cover it
   std::vector<std::uint32_t> quads;      ///< for each sample, the number of triangles that cover part of its quad
 
-  // Scratch data of the rasteriser: samples sorted by list, block and quad; blocks of a list; lists of a batch's
-  // triangles.
+  // Scratch data of the rasteriser: samples sorted by triangle list, block and quad; blocks of one list; numbers of the
+  // lists to which a batch adds triangles.
   struct Sample {
     std::uint32_t list = 0, block = 0, quad = 0, sample = 0;
     glm::dvec2 at{0};
@@ -42,17 +42,17 @@ struct Coverage {
 /// Functional rasteriser: finds which samples each triangle covers and which triangle is nearest at each sample. It
 /// produces the work of the hardware unit in hw_models/raster.
 ///
-///   geometry pass: triangles, a batch at a time -> lists by part of the picture
-///   a wave:        lists of the parts that contain its samples -> blocks -> quads -> samples, nearest first
+///   geometry pass: triangles, one batch after the other -> triangle lists of screen regions
+///   a wave:        lists of the regions that contain its samples -> blocks -> quads -> samples, nearest first
 ///
 /// 1. A sample is at the pixel position of its ray. Quads and blocks without samples are skipped.
 /// 2. The hits of the picture come from a Tracer. The rasteriser finds the same hits, except for samples on edges and
 ///    surfaces at the same depth.
 ///
-/// Not modelled: positions rounded to a sub-pixel grid, as in hardware; all arithmetic is in double precision.
+/// Not modelled: hardware rounds positions to a sub-pixel grid. Here all arithmetic is in double precision.
 class Rasteriser {
  public:
-  /// Projects the scene and builds the triangle lists. A list belongs to a square of the picture with `side` pixels.
+  /// Projects the scene and builds the triangle lists. Each list belongs to a screen region of `side` x `side` pixels.
   /// `image` need not outlive the rasteriser. Throws InputError if the lists become too long.
   Rasteriser(const MemoryImage& image, const PictureCamera& camera, const RasterConfig& config, std::uint32_t side);
   Rasteriser(const Rasteriser&) = delete;

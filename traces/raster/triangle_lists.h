@@ -11,8 +11,8 @@
 
 namespace traces {
 
-/// The scene as the rasteriser draws it: all triangles in world space, in the order of the memory image, instance by
-/// instance. Triangles share vertices with bit-identical positions, numbered in order of first use.
+/// The scene as the rasteriser's input: all triangles in world space, in the order of the memory image, one instance
+/// after the other. Triangles share vertices with bit-identical positions, numbered in order of first use.
 struct RasterGeometry {
   struct Triangle {
     std::array<std::uint32_t, 3> vertices{};

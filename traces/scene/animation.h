@@ -39,8 +39,8 @@ struct Track {
   Path path = Path::kTranslation;
   Interpolation interpolation = Interpolation::kLinear;
   std::vector<float> times;   ///< time of each key in seconds, ascending
-  std::vector<float> values;  ///< per key 3 numbers, 4 (x, y, z, w) or one per morph target; with kCubicSpline
-                              ///< in-tangent, value and out-tangent
+  std::vector<float> values;  ///< per key: a vector, a quaternion (x, y, z, w) or one weight per morph target.
+                              ///< kCubicSpline: in-tangent, value and out-tangent
 };
 
 struct Skin {
@@ -55,11 +55,11 @@ struct Moved {
   bool lights = false;
 };
 
-/// Moves instances, deforming meshes, cameras and lights to where they are at a time.
+/// Moves instances, deforming meshes, cameras and lights to their poses at time `seconds`.
 ///
 /// 1. The result depends only on the time, not on the previous pose, and has the same bits on every host.
 /// 2. All tracks start at time 0. A file is loaded in its pose at time 0.
-/// 3. Nothing repeats; for a loop, pass the time modulo animation_seconds().
+/// 3. An animation does not repeat; for a loop, pass the time modulo animation_seconds().
 ///
 /// Throws InputError if something moves farther than kFarthest from the origin.
 Moved pose_scene(Scene& scene, double seconds);

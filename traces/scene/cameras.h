@@ -11,8 +11,8 @@ namespace traces {
 /// Returns a camera at `eye` that looks at `target`, with +y up.
 Camera look_at(std::string name, const glm::vec3& eye, const glm::vec3& target, float vertical_fov);
 
-/// Returns the position and direction of a camera that is attached to a node, without the node's scale; nothing if the
-/// matrix has no direction.
+/// Returns the transform of a camera that is attached to a node, without the node's scale, or no value if the matrix
+/// maps y and z to the same line.
 std::optional<glm::mat4> camera_to_world(const glm::dmat4& node_to_world);
 
 /// Returns a camera that sees the whole scene from above and one side; used for files without a camera.

@@ -36,7 +36,7 @@ void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb);
 
-/// Writes an OpenEXR file. `values` has one value per channel for each pixel in turn. `channels` must be sorted by
+/// Writes an OpenEXR file. `values`: for each pixel in row order, one value per channel. `channels` must be sorted by
 /// name, the order in which readers return them.
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const ImageChannel> channels, std::span<const float> values, std::span<const ImageNote> notes);

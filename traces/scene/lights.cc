@@ -43,8 +43,8 @@ Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
   return e;
 }
 
-/// Returns the direction in which light leaves an emitter: its mean normal or its shortest side, towards the middle of
-/// the scene.
+/// Returns the direction in which light leaves an emitter: along its mean normal or, if it is closed, the shortest side
+/// of its box. Of the two directions, it is the one towards the middle of the scene.
 glm::vec3 light_exit_direction(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {
@@ -234,7 +234,7 @@ std::vector<Sample> irradiance_in_view(const Camera& camera, const Scene& scene,
   return samples;
 }
 
-/// Returns the irradiance below which the fraction `rank` of the total weight is.
+/// Returns a weighted percentile of the irradiance: samples up to it have the fraction `rank` of the total weight.
 float weighted_percentile(std::vector<Sample> samples, float rank) {
   std::sort(samples.begin(), samples.end(),
             [](const Sample& a, const Sample& b) { return a.irradiance < b.irradiance; });
@@ -251,7 +251,8 @@ float weighted_percentile(std::vector<Sample> samples, float rank) {
 constexpr std::size_t kPoints = 16384;
 constexpr float kRank = 0.9F;
 
-/// Returns how bright the lights make the first camera's view, or the whole scene if the camera sees nothing.
+/// Returns the irradiance (percentile kRank) of the surfaces that the first camera sees, or of all surfaces if it sees
+/// none.
 float view_brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {

@@ -35,7 +35,8 @@ void select_vertices(Mesh& mesh, const std::vector<std::uint32_t>& from) {
 
 namespace {
 
-/// Returns a triangle's unit normal; +y if it has no area. Double precision serves tiny and huge triangles.
+/// Returns a triangle's unit normal; +y if it has no area. Uses double precision, because the area of a tiny or huge
+/// triangle exceeds float's range.
 glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(normal);
@@ -111,12 +112,12 @@ glm::dvec3 any_perpendicular(const glm::dvec3& normal) {
   return glm::normalize(other - normal * glm::dot(normal, other));
 }
 
-/// How texture coordinates run over a triangle, for tangents.
+/// Directions of a triangle's texture coordinates, from which its tangents are computed.
 struct Frame {
   glm::dvec3 along_u{0};       ///< direction of increasing u, a unit vector
   bool is_degenerate = false;  ///< two corners have the same position
   bool has_direction = false;  ///< the triangle has an area in texture coordinates
-  bool is_mirrored = false;    ///< u and v have the opposite winding from the picture
+  bool is_mirrored = false;    ///< the triangle shows a mirror image of the texture
 };
 
 class TangentBuilder {

@@ -21,7 +21,7 @@ namespace {
 
 using Interpolation = Track::Interpolation;
 
-/// The two animation keys around a time. Before the first key and after the last key, both are that key.
+/// The two animation keys between which a time is. Before the first and after the last key, both are that key.
 struct Span {
   std::size_t from = 0, to = 0;
   double share = 0;    ///< position between the two keys, 0 to 1

@@ -90,8 +90,8 @@ struct Material {
   TextureUse emission_texture{};  ///< sRGB texture, multiplied by `emission`
 
   /// Metal-roughness texture, linear: green multiplies `roughness`, blue multiplies `metallic`. If set, `mirror` and
-  /// `mirror_tint` are ignored and computed per texel from these, `dielectric` and `coat` by the rule of
-  /// traces/scene/gltf/materials.h.
+  /// `mirror_tint` are ignored: shading computes both per texel from this texture, `dielectric` and `coat` by the rule
+  /// of traces/scene/gltf/materials.h.
   TextureUse metal_rough_texture{};
   float metallic = 0, roughness = 1;
   float dielectric = 0.08F;  ///< fraction of light that the non-metallic part mirrors if it is smooth
@@ -141,7 +141,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Node> nodes;  ///< all nodes; a parent precedes its children
   std::vector<Skin> skins;
-  std::vector<Track> tracks;  ///< tracks of all animations; of several for one property, the first takes effect
+  std::vector<Track> tracks;                ///< all animations' tracks; the first for a property of a node is used
   glm::vec3 background{0.6F, 0.7F, 0.85F};  ///< radiance of rays that leave the scene
   glm::vec3 ambient{0.1F};                  ///< constant irradiance that every surface receives
   std::string sha256;                       ///< hash of the file and the files it names, or of the generated scene

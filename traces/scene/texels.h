@@ -12,7 +12,8 @@ inline double srgb_to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-/// Returns the mean of all texels, alpha included, 0 to 1; for sRGB-encoded textures, of the linear colours.
+/// Returns the mean of all texels, including alpha, 0 to 1. sRGB-encoded colours are converted to linear before the
+/// mean.
 glm::vec4 mean_texel(const Texture& texture);
 
 }  // namespace traces

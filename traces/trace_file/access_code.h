@@ -53,7 +53,7 @@ class AccessReader {
 
   LastAccesses last_;
   std::vector<std::uint8_t> kinds_, ranks_;  ///< kind and rank of each access of all shapes, one shape after the other
-  std::vector<std::uint32_t> shape_begin_;   ///< for each shape, its first access; then the end
+  std::vector<std::uint32_t> shape_begin_;   ///< for each shape, its first index in `kinds_`; then the end
   std::vector<std::uint32_t> shape_of_;
 };
 

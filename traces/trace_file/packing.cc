@@ -44,7 +44,7 @@ std::string_view Packer::pack_with_limited_ratio(std::string_view bytes, std::si
   ZSTD_CCtx_setPledgedSrcSize(context_.get(), bytes.size());
   packed_.clear();
   std::string piece(ZSTD_CStreamOutSize(), '\0');
-  // A flush ends a zstd block, which limits how well it packs.
+  // A flush after every `most` bytes ends a zstd block, which limits the compression ratio.
   const std::size_t most = (kLeastOfBlock + 1) * bytes_a_byte;
   for (bool is_last = false; !is_last; bytes.remove_prefix(std::min(most, bytes.size()))) {
     is_last = bytes.size() <= most;

@@ -21,8 +21,8 @@ class Packer {
   explicit Packer(int level = 1);
   /// Packs bytes into a block. The result is valid until the next call.
   std::string_view pack_block(std::string_view bytes);
-  /// Packs bytes like pack_block(), but the block has at least one byte per `bytes_a_byte` bytes of contents (4 or
-  /// more).
+  /// Packs bytes like pack_block(), but limits the compression ratio: the block has at least one byte per
+  /// `bytes_a_byte` bytes of contents. `bytes_a_byte` must be 4 or more.
   std::string_view pack_with_limited_ratio(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
@@ -40,8 +40,8 @@ class Unpacker {
   /// is none.
   static std::size_t size_of(std::string_view bytes);
   /// Unpacks a zstd block of a trace. kBitsPadding bytes follow the contents, which are valid until the next call.
-  /// Throws InputError, without a file name, if the block is damaged or holds more than `most` bytes; nothing is
-  /// allocated in that case.
+  /// Throws InputError, without a file name, if the block is damaged or holds more than `most` bytes, which is checked
+  /// before memory is allocated.
   std::string_view unpack_block(std::string_view block, std::uint64_t most);
 
  private:

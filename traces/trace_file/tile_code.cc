@@ -19,7 +19,7 @@ namespace {
 
 // Encoding of the data of rasteriser nodes.
 
-// Far above the counts of any tile. It keeps sums within 32 bits.
+// Limit on each count of a tile. It is far above real counts, and keeps sums within 32 bits.
 constexpr std::uint64_t kMost = 1U << 26;
 constexpr std::uint64_t kLeastBytes = 5;  ///< fewest bytes of an encoded triangle
 
@@ -134,7 +134,8 @@ void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode&
   if (listed != entries) throw sim::InputError("lists have not as many entries as triangles are in them");
 }
 
-// Checks that any machine can execute a decoded tile. They throw InputError, without a file name.
+// The following functions check that any machine can execute a decoded tile. They throw InputError, without a file
+// name.
 
 /// True if the items of a node occupy ray slots.
 bool uses_ray_slots(const WorkNode& node) {
@@ -152,8 +153,8 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
-/// Throws InputError unless some node reads all hits of each batch of rays: a ray's slot is released when its hit has
-/// been read.
+/// Throws InputError unless each batch of rays has a node that reads all its hits. A ray's slot is only released when
+/// its hit has been read.
 void check_readers(const TileWork& work) {
   std::vector<bool> read(work.nodes.size()), whole(work.nodes.size());
   for (const WorkNode& node : work.nodes) {
@@ -185,9 +186,9 @@ void check_imports(const TileWork& work) {
 
 // Encoding of nodes, walks and sources.
 
-// Far above the counts of any tile. They keep sums within 32 bits.
+// Limits on the counts of a tile. They are far above real counts, and keep sums within 32 bits.
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
-constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses, to which each encoded byte adds 8
+constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses; rises by 8 per encoded byte
 
 enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
 
@@ -265,7 +266,7 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
-/// Decodes on which earlier nodes of the work graph node `n` depends, and how.
+/// Decodes the edges from earlier nodes of the work graph to node `node_index`.
 void read_inputs(ByteReader& from, std::uint32_t node_index, TileWork& work) {
   WorkNode& node = work.nodes[node_index];
   for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {
@@ -298,7 +299,7 @@ void TileEncoder::encode_tile(const TileWork& work, const Links& links, std::str
   }
   to.write_number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
-  // After all nodes come further data of the nodes, in node order.
+  // All nodes are followed by their accesses, sources and other data, in node order.
   accesses_.begin_tile();
   std::uint32_t rays = 0, items = 0;
   for (const WorkNode& node : work.nodes) {

@@ -40,8 +40,9 @@ struct TileRays {
   WalkSteps steps;
 };
 
-/// Encodes the work of a tile as bytes (docs/trace-format.md). Recorded walks of rays that do not fit the BVH are
-/// stored as plain words, which take more space. Throws InputError for work that the format cannot represent.
+/// Encodes the work of a tile as bytes (docs/trace-format.md). Walks (recorded traversals of rays) that do not match
+/// the BVH are stored as plain words, which take more space. Throws InputError for work that the format cannot
+/// represent.
 class TileEncoder {
  public:
   void encode_tile(const TileWork& work, const Links& links, std::string& out);

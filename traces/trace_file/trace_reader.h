@@ -17,7 +17,7 @@ class TraceReader {
   struct FileRange {
     std::uint64_t offset = 0, bytes = 0;
   };
-  /// A part of a trace: one frame of the picture, rendered by one frame program.
+  /// A part of a trace: one frame, rendered by one frame program.
   struct Part {
     std::uint32_t frame = 0;
     bool reference = false;

@@ -48,12 +48,12 @@ class TraceWriter {
   /// Throws InputError if `path` cannot be written or is an existing file that is not a trace.
   TraceWriter(const std::filesystem::path& path, const Json& header);
 
-  /// Begins a part of the trace. A tree equal to the previous part's is not stored again.
+  /// Begins a part of the trace. A BVH equal to that of the previous part is not stored again.
   void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
   void add_tile(const TileWork& work);
-  /// Ends the current part of the trace. `result` is the rest of the part's report, as JSON.
+  /// Ends the current part of the trace. `result`: report data of the part, as JSON.
   void end_part(Json result);
-  /// Adds those report data of a frame that belong to none of the frame's parts.
+  /// Adds report data that belong to a whole frame and not to one of its parts.
   void end_frame(Json frame) { contents_["frames"].push_back(std::move(frame)); }
   void commit();
 

@@ -91,7 +91,7 @@ bool is_unsigned(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/// Calls put(index, bytes) for each dense element of an accessor, then for those that a sparse accessor replaces.
+/// Calls put(index, bytes) for each dense element of an accessor, then for each element that its sparse data replace.
 template <class Put>
 void for_each_element(const Context& context, const tinygltf::Accessor& accessor, std::size_t size,
                       const std::string& what, Put put) {

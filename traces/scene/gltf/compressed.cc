@@ -63,7 +63,7 @@ bool decode_draco_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return decoder.Decode(options, &buffer, &mesh).ok();
 }
 
-/// Decodes a Draco mesh. Returns what is wrong with the data, or null.
+/// Decodes a Draco mesh. Returns an error text, or null on success.
 const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data), bytes.size);
@@ -77,7 +77,7 @@ const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return good ? nullptr : "damaged Draco data";
 }
 
-/// Returns an accessor without sparse elements, whose fields tinygltf leaves uninitialised.
+/// Returns an accessor without sparse elements. Sets the fields for them, which tinygltf leaves uninitialised.
 tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t count) {
   tinygltf::Accessor accessor;
   accessor.sparse = {};
@@ -214,7 +214,7 @@ std::string text_or(const tinygltf::Value& object, const char* key, const char* 
   return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : absent;
 }
 
-/// Checks what the meshopt decoder requires but does not check. Returns the problem as text, or null.
+/// Checks conditions that the meshopt decoder requires but does not check. Returns an error text, or null.
 const char* meshopt_fault(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") return "the mode is unknown";

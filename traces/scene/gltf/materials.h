@@ -28,7 +28,7 @@ class Textures {
  private:
   Texture& decode_image(int index);
   int source_of(int texture);
-  /// Adds the pixels of a texture to the count. Throws InputError if the scene then exceeds its limit.
+  /// Adds a texture's pixels to the number of decoded pixels. Throws InputError if it then exceeds the scene's limit.
   void count_pixels(const Texture& texture, const std::string& name);
 
   Context& context_;
@@ -36,8 +36,8 @@ class Textures {
   std::set<int> shown_;       ///< images that some texture of the scene shows
   std::uint64_t pixels_ = 0;  ///< number of decoded pixels, including copies for other wrap modes, filters or encodings
   std::map<std::pair<int, bool>, glm::vec4> means_;
-  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< texture indices by image, wrap modes,
-                                                                          ///< nearest, sRGB
+  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< index of the texture with an image, two
+                                                                          ///< wrap modes, nearest filter, sRGB
 };
 
 /// Where a texture takes its coordinates from: one of the primitive's sets, transformed by KHR_texture_transform.
@@ -49,7 +49,7 @@ struct TexturePlacement {
   friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 
-/// Reads the placement of a glTF reference to a texture.
+/// Reads the texture placement from a material's reference to a texture.
 TexturePlacement read_placement(const Context& context, int set, const tinygltf::ExtensionMap& extensions);
 
 /// The texture placements that a material uses: at most two, for Mesh::uvs and Mesh::second_uvs.

@@ -20,7 +20,7 @@ int find_accessor(const std::map<std::string, int>& attributes, const std::strin
   return found == attributes.end() ? -1 : found->second;
 }
 
-/// Returns the values of the vertices that the mesh consists of: result i is all[from[i]].
+/// Returns one value per mesh vertex, given the values of the file's vertices: result i is all[from[i]].
 template <class T>
 std::vector<T> gather_vertex_values(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
   std::vector<T> picked;
@@ -36,7 +36,7 @@ void check_value_count(const Context& context, const Mesh& mesh, std::size_t fou
   }
 }
 
-/// The up to four joints of a vertex with the largest weights so far.
+/// The joints of a vertex with the largest weights so far, at most four.
 struct Influences {
   std::array<std::uint16_t, 4> joints{};
   glm::vec4 weights{0};
@@ -184,7 +184,8 @@ namespace {
 using Path = Track::Path;
 using Interpolation = Track::Interpolation;
 
-/// Returns which property of a node an animation channel moves; nothing, with a warning, if glTF does not define it.
+/// Returns which property of a node an animation channel moves. Adds a warning and returns no value if glTF does not
+/// define that property.
 std::optional<Path> read_path(Context& context, const std::string& name, const std::string& what) {
   if (name == "translation") return Path::kTranslation;
   if (name == "rotation") return Path::kRotation;

@@ -10,9 +10,9 @@ namespace traces::gltf {
 /// True if the primitive has morph targets or is deformed by glTF skin `skin` (-1: none).
 bool is_deforming(const tinygltf::Primitive& primitive, int skin);
 
-/// Returns how a mesh deforms, given the mesh at rest. Vertex i of the mesh is vertex `from[i]` of the primitive.
-/// JOINTS_n and WEIGHTS_n after the first set are merged into the four largest weights, with a warning. Without joints
-/// there is no skin. Not modelled: morphed tangents.
+/// Returns how a mesh deforms, given the mesh at rest. Vertex i of the mesh is vertex `from[i]` of the primitive. If a
+/// vertex has more than one set of joints (JOINTS_n, WEIGHTS_n), the four largest weights are used, with a warning.
+/// Without joints there is no skin. Not modelled: morphed tangents.
 std::shared_ptr<const Deformation> read_deformation(Context& context, const tinygltf::Primitive& primitive, int skin,
                                                     const Mesh& mesh, bool flat_normals,
                                                     const std::vector<std::uint32_t>& from);

@@ -48,7 +48,7 @@ std::string supported_extensions();
 ///
 /// - a value has another JSON type, or a required property is missing;
 /// - an index is negative or not an integer;
-/// - a value is not one of an enumeration's;
+/// - a value is not in the property's enumeration;
 /// - a number of a material or camera exceeds its range by more than 1e-6; the reader clamps smaller deviations.
 ///
 /// Not checked: properties that glTF does not define, extras, other extensions. `name` is the name of the file in

@@ -60,7 +60,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 }
 
 /// Checks the part of a data: URI between "data:" and the comma. Returns what is wrong, or an empty text. Sets
-/// `is_base64` if it ends with ";base64".
+/// `is_base64` if that part ends with ";base64".
 std::string data_uri_fault(std::string_view header, bool& is_base64) {
   std::size_t end = header.find(';');
   const std::string_view type = header.substr(0, end);
@@ -279,7 +279,7 @@ void check_inside(const std::filesystem::path& folder, const std::string& relati
   }
 }
 
-/// Reads the files and data: URIs that a glTF file's buffers and images name.
+/// Reads the files and data: URIs to which the buffers and images of a glTF file refer.
 class Resources {
  public:
   Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)

@@ -11,8 +11,8 @@
 
 namespace traces::gltf {
 
-/// A glTF file and everything its URIs name, in memory. The reader has checked chunk sizes, depth, list lengths,
-/// property types, required extensions, and the places that URIs name.
+/// A glTF file and everything its URIs name, in memory. The reader has checked chunk sizes, nesting depth, list
+/// lengths, property types, required extensions, and that no URI leads out of the file's folder.
 struct Source {
   std::string shown_name;  ///< name of the file in messages
   std::string bytes;

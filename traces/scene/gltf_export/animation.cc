@@ -89,8 +89,8 @@ void separate_keys(Track& track) {
   track.values = std::move(values);
 }
 
-/// Returns a track as glTF allows it: ascending times from 0, rotations of unit length, two keys or more of a cubic
-/// spline.
+/// Returns the track changed to what glTF allows: key times ascend from 0, rotations have unit length, and a cubic
+/// spline has two keys or more.
 Track make_valid(Track track) {
   begin_at_zero(track);
   separate_keys(track);

@@ -20,8 +20,8 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Makes columns p and q of `m` orthogonal by a rotation, which is accumulated in `v`. A step of one-sided Jacobi; m x
-/// transpose(v) is unchanged.
+/// Makes columns p and q of `m` orthogonal by a rotation, which is accumulated in `v`. One step of the one-sided Jacobi
+/// method; m x transpose(v) is unchanged.
 void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   const double alpha = glm::dot(m[p], m[p]), beta = glm::dot(m[q], m[q]), gamma = glm::dot(m[p], m[q]);
   if (!(std::abs(gamma) > 1e-16 * std::sqrt(alpha * beta))) return;
@@ -217,7 +217,7 @@ std::vector<bool> animated_nodes(const Scene& scene) {
   return animated;
 }
 
-/// Returns for each of Scene::nodes the root node above it.
+/// Returns for each of Scene::nodes the root of its tree.
 std::vector<std::uint32_t> roots_of(const Scene& scene) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {

@@ -55,10 +55,10 @@ class Meshes {
 /// Appends a node below `parent`, or to the roots of the scene if that is -1. Returns its index.
 int add_node(Document& out, int parent, tinygltf::Node node);
 
-/// Appends one node with the transform `matrix`, or two if it shears. Returns the index of the inner one.
+/// Appends one node with the transform `matrix`, or two if it shears. Returns the index of the inner node.
 int add_placed(Document& out, int parent, const glm::mat4& matrix);
 
-/// The glTF indices that the scene's nodes and skins get.
+/// The glTF indices of the scene's nodes and skins.
 struct NodeMap {
   std::vector<int> gltf_nodes;             ///< for each of Scene::nodes, its glTF node
   std::vector<std::vector<int>> morphing;  ///< for each of Scene::nodes, the glTF nodes that show its morphing meshes
@@ -73,18 +73,18 @@ NodeMap write_nodes(const Scene& scene, Document& out);
 /// their own, because only their joints place them.
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out);
 
-/// Writes the skins that instances use. glTF demands distinct joints with a common root: a repeated joint becomes a
-/// child of itself, and joints of several roots get a root above all.
+/// Writes the skins that instances use. glTF demands distinct joints with a common root: a repeated joint is replaced
+/// by a new child of its node, and if the joints have several roots, a new root is added above these.
 void write_skins(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes Scene::cameras, in their order as far as the node tree allows.
+/// Writes Scene::cameras, and sorts the root nodes so that readers find the cameras in the same order where possible.
 void write_cameras(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes the tracks that take effect as one animation. Tracks with equal key times share one array of times.
+/// Writes one animation with all tracks that have an effect. Tracks with equal key times share one array of times.
 void write_animation(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes Scene::lights by KHR_lights_punctual, and the light that glTF cannot express into the scene's extras:
-/// `"raywatt": {"background": [r, g, b], "ambient": [r, g, b]}`.
+/// Writes Scene::lights with KHR_lights_punctual. Background and ambient light, which glTF cannot express, are written
+/// to the scene's extras: `"raywatt": {"background": [r, g, b], "ambient": [r, g, b]}`.
 ///
 /// Intensities are multiplied by pi: a white surface has radiance 1 at an irradiance of pi in glTF, and of 1 in a Scene
 /// (traces/scene/scene.h). If a file has the extras, the loader adds no lights for emitters and does not change the

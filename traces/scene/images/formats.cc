@@ -23,8 +23,8 @@
 namespace traces {
 namespace {
 
-/// A PNG file that is being written, with libpng's structures. libpng reports errors by longjmp, so write_picture() has
-/// nothing to destroy.
+/// A PNG file that is being written, with libpng's structures. libpng reports errors by longjmp, so write_picture()
+/// must have no local objects with destructors.
 class Writer {
  public:
   Writer()
@@ -186,8 +186,8 @@ std::string problem_of_channels(std::string_view list) {
   return channels > kMostChannels ? fmt::format("{} channels, allowed are 1 to {}", channels, kMostChannels) : "";
 }
 
-/// Returns what is wrong with an attribute of an OpenEXR header: another size than its type has, or a type that we do
-/// not write. Empty if the attribute is good.
+/// Returns what is wrong with an attribute of an OpenEXR header, or an empty text: its size differs from that of its
+/// type, or raywatt does not write this type.
 std::string problem_of_kind(std::string_view kind, std::size_t size) {
   if (kind == "string" || kind == "chlist") return {};
   const auto* found = std::ranges::find(kKinds, kind, &std::pair<std::string_view, std::size_t>::first);

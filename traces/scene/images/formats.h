@@ -25,14 +25,15 @@ struct ImageChannel {
   bool is_half = false;
 };
 
-/// Returns the bytes of a losslessly compressed OpenEXR file. `values` has one value per channel for each pixel in
-/// turn. Throws IoError if OpenEXR reports an error, such as for a note with the name of an attribute of another type.
+/// Returns the bytes of a losslessly compressed OpenEXR file. `values`: for each pixel in row order, one value per
+/// channel. Throws IoError if OpenEXR reports an error, such as for a note with the name of an attribute of another
+/// type.
 std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const ImageChannel> channels,
                       std::span<const float> values, std::span<const ImageNote> notes = {});
 
 /// Returns why a file must not be given to OpenEXR, which allocates whatever a header claims; an empty text if the file
-/// is safe. Allowed are one part of scan lines, the attribute types that we write, all within the file, up to four
-/// channels, at most `most_pixels` pixels.
+/// is safe. A safe file has one part of scan lines, only attribute types that exr_bytes() writes, all data within the
+/// file, up to four channels, and at most `most_pixels` pixels.
 std::string exr_problem(std::string_view file, std::uint64_t most_pixels);
 
 }  // namespace traces

@@ -17,7 +17,7 @@ namespace traces {
 namespace {
 
 /// Suppresses what libpng and libjpeg print on stderr while the object exists; errors are returned as texts instead.
-/// Only the stream is replaced, not the descriptor (glibc allows it).
+/// Replaces the C stream `stderr`, which glibc allows, and not its file descriptor.
 class QuietLibraries {
  public:
   QuietLibraries() {

@@ -36,7 +36,8 @@ Mesh make_patch(std::span<const glm::vec2> first, std::span<const glm::vec2> sec
 /// Makes a strip of the given width along a line in the plane z = 0.
 Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t columns);
 
-/// Side from which a patch is projected onto the body: direction of projection, and the world axes of the patch.
+/// Side from which a patch is projected onto the car's body. It sets the direction of projection and the world axes
+/// that are the patch's x and y.
 enum class From : std::uint8_t {
   kFront,  ///< projected along -x; patch axes (z, y)
   kRear,   ///< projected along +x; patch axes (z, y)

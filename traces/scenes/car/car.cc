@@ -262,7 +262,8 @@ class SheetMaker {
               0.0025F);
   }
 
-  /// Adds the parts at the front and the rear.
+  /// Adds grille, intakes, headlights and badge at the front of the car; tail lights, diffuser and number plate at the
+  /// rear.
   void add_ends() {
     // Front: grille, side intakes, headlights with a bright line.
     add_patch(Stuff::kBlack, From::kFront, false, {{-0.44F, 0.235F}, {0, 0.225F}, {0.44F, 0.235F}},

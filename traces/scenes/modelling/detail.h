@@ -39,8 +39,8 @@ struct DetailSearch {
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search = {});
 
-/// Returns the scene that `make` builds at the detail that gives about `triangles` triangles, counted per instance.
-/// `make` runs several times, so it should add no textures.
+/// Searches for the detail at which `make` builds a scene of about `triangles` triangles (a mesh counts once per
+/// instance), and returns that scene. `make` is called several times, so the caller should add textures afterwards.
 Scene build_to_size(std::uint32_t triangles, const std::function<Scene(const Detail& detail)>& make);
 
 }  // namespace traces

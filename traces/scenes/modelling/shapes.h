@@ -66,7 +66,7 @@ Material make_lamp(std::string name, const glm::vec3& emission);
 Material make_textured(std::string name, std::uint32_t texture, const glm::vec3& colour = glm::vec3(1),
                        float mirror = 0);
 
-/// Returns the number of triangles in a scene, counted per instance.
+/// Returns the number of triangles in a scene. A mesh counts once for each of its instances.
 std::uint64_t count_triangles(const Scene& scene);
 
 /// Makes a solid of revolution about +y. The points of the profile are (radius, height), bottom to top for normals
@@ -112,9 +112,9 @@ class Outline {
 /// Returns the `count` points that best keep the line's shape, ends included.
 std::vector<glm::vec2> simplify_line(std::vector<glm::vec2> points, std::size_t count);
 
-/// Makes a solid of revolution that `shape(around, k, point)` may deform. It returns the new position of each point;
-/// `around` is in turns, `k` the index in the profile. The surface is smooth, but a repeated profile point makes an
-/// edge.
+/// Makes a solid of revolution that `shape(around, k, point)` may deform. `shape` returns the new position of `point`;
+/// `around` is the angle in turns, `k` the index in the profile. The surface is smooth, but a repeated profile point
+/// makes an edge.
 Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::uint32_t segments,
                  const std::function<glm::vec3(float around, std::size_t k, const glm::vec3& point)>& shape);
 
