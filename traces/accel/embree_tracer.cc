@@ -59,7 +59,7 @@ struct Query {
     const Ray seen = image->has_two_levels() ? to_object_space(image->instances[instance], *ray) : *ray;
     return RayTriangles<NativeLanes>(seen).test_triangles(&record, 1);
   }
-  /// True if the face of the triangle that the ray sees is not culled.
+  /// True unless the triangle's face on the ray's side is culled.
   bool is_face_visible(std::uint32_t instance, std::uint32_t triangle) const {
     if (!is_single_sided) return true;
     const TriangleRecord& record = image->triangles[triangle];

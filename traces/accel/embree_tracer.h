@@ -13,8 +13,8 @@ namespace traces {
 ///
 /// 1. Distances and weights are Embree's own.
 /// 2. Of triangles within rounding error of each other along a ray, it returns the triangle that BvhTracer prefers: the
-///    nearest by the test of ray_tests.h, then the lowest `source`. Embree alone would return the one it meets
-///    first.
+///    nearest by the test of ray_tests.h, then the lowest `source`. Embree alone would return the triangle
+///    that it meets first.
 /// 3. The hit of a blocked shadow ray names triangle 0. In a scene with flagged (ray.h) or single-sided triangles it is
 ///    the nearest hit.
 class EmbreeTracer : public Tracer {

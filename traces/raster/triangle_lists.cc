@@ -104,7 +104,7 @@ RasterGeometry raster_geometry(const MemoryImage& image) {
 
 namespace {
 
-/// Largest number of entries in all triangle lists, a limit of one gigabyte.
+/// Largest number of entries of all triangle lists together, which take 1 GiB.
 constexpr std::uint64_t kMostEntries = 1U << 28;
 
 }  // namespace

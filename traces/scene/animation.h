@@ -22,7 +22,7 @@ struct Transform {
 };
 
 /// A coordinate system to which instances, cameras and lights are attached. The matrix relative to the parent is
-/// `matrix` x `rest`; files set only one of the two.
+/// `matrix` x `rest`; a glTF file sets only one of the two.
 struct Node {
   std::string name;
   std::uint32_t parent = kNone;

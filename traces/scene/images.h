@@ -56,8 +56,8 @@ struct GreyImage {
 GreyImage draw_text(const std::string& text);
 inline constexpr std::uint32_t kTextHeight = 12;
 
-/// Reads an OpenEXR file of one to four channels. Each pixel of the result has three values: the first three channels
-/// of the file; a file of fewer channels repeats its last one.
+/// Reads an OpenEXR file of one to four channels. Each pixel of the result has the first three channels of the file. If
+/// the file has fewer, its last channel is repeated.
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

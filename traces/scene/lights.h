@@ -17,7 +17,7 @@ namespace traces {
 void add_emitter_lights(Scene& scene);
 inline constexpr std::size_t kMaxEmitterLights = 4;
 
-/// Adds a sun high on one side and a bright sky, if the scene has no light of its own.
+/// Adds a sun high on one side and bright ambient light, if the scene has no lights.
 void add_default_light(Scene& scene);
 
 /// Scales all lights to a suitable exposure, because files give light in candela, lux, watts or arbitrary units. The

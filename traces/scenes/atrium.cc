@@ -606,7 +606,7 @@ Scene build_atrium(const BuiltinOptions& options) {
   sun.direction = glm::normalize(glm::vec3(0.34F, -1, -0.36F));
   sun.intensity = {1.0F, 0.93F, 0.80F};
   scene.lights.push_back(sun);
-  // Lights that replace what the sunlit wall and floor reflect into the galleries.
+  // Lights in place of the light that the sunlit wall and floor reflect into the galleries.
   for (const float x : {-4.6F, 5.2F}) {
     Light bounce;
     bounce.position = {x, 3.2F, -0.6F};

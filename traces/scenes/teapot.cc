@@ -57,8 +57,8 @@ constexpr float kHalves[][4][4][3] = {
      {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
 };
 
-/// Revolves a profile by a quarter turn that begins at quarter turn `quarter`. Factor 0.56 approximates a circle, as in
-/// the original teapot.
+/// Makes the patch of one quarter (0 to 3) of a profile's revolution. Factor 0.56 approximates a circle, as in the
+/// original teapot.
 BezierPatch revolve_profile(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;

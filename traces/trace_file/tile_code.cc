@@ -347,7 +347,7 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
   const std::uint32_t ray_kind = from.read_byte();
   if (ray_kind >= kRayKinds) ByteReader::throw_out_of_range("kind of rays");
   node.ray_kind = static_cast<RayKind>(ray_kind);
-  // A placeholder for a node with sources; their position is set once they are read.
+  // If the node has sources, 0 is a placeholder until they are read.
   node.sources = read_flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
   node.first = rays_;
   rays_ += node.items;

@@ -146,7 +146,7 @@ bool append_value(double value, int component_type, bool normalised, std::vector
   }
 }
 
-/// Adds an accessor with values of the component type that the file declares, whatever type the Draco data have.
+/// Adds an accessor with the values of a Draco attribute, converted to the component type that the file declares.
 int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAttribute& attribute,
                   std::uint32_t points, const tinygltf::Accessor& declared, const std::string& what) {
   const int components = attribute.num_components();

@@ -43,7 +43,7 @@ struct Context {
 /// Converts a JSON number to float. Throws InputError if a float cannot represent it; `what` names the number.
 float to_float(const Context& context, double value, const std::string& what);
 
-/// Convert a JSON list of exactly three or four numbers. An empty list gives `absent`.
+/// Converts a JSON list of exactly three (to_vec4: four) numbers. Returns `absent` for an empty list.
 glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const glm::vec3& absent,
                   const std::string& what);
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,

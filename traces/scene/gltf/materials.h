@@ -40,7 +40,7 @@ class Textures {
                                                                           ///< wrap modes, nearest filter, sRGB
 };
 
-/// Where a texture takes its coordinates from: one of the primitive's sets, transformed by KHR_texture_transform.
+/// Source of a texture's coordinates: one of the primitive's coordinate sets, transformed by KHR_texture_transform.
 struct TexturePlacement {
   int set = 0;
   glm::vec2 offset{0}, scale{1};

@@ -107,7 +107,7 @@ tinygltf::FsCallbacks file_callbacks(const Source& source) {
   return fs;
 }
 
-/// Returns the last line of tinygltf's messages, which is the fatal one.
+/// Returns the last line of tinygltf's messages, which is the fatal error.
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   return sim::printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0

@@ -25,7 +25,8 @@
 namespace traces::gltf {
 namespace {
 
-/// Decodes percent escapes. Clears `is_good`, and keeps the percent sign, if two hexadecimal digits do not follow it.
+/// Decodes percent escapes. If a percent sign is not followed by two hexadecimal digits, keeps it and sets `is_good` to
+/// false.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());

@@ -11,7 +11,7 @@
 
 namespace traces::gltf {
 
-/// A glTF file and everything its URIs name, in memory. The reader has checked chunk sizes, nesting depth, list
+/// A glTF file, and the contents of all its URIs, in memory. The reader has checked chunk sizes, nesting depth, list
 /// lengths, property types, required extensions, and that no URI leads out of the file's folder.
 struct Source {
   std::string shown_name;  ///< name of the file in messages

@@ -88,7 +88,7 @@ struct Surface {
   bool thin = false;  ///< a sheet of glass that mirrors like any dielectric and does not refract
 };
 
-/// Returns which fraction of a mirror is metallic: the least-squares solution a of a (base - 1) = mirror (tint - 1).
+/// Returns the metallic factor a of a mirror: the least-squares solution of a (base - 1) = mirror (tint - 1).
 float metallic_fraction(const Material& m, const glm::vec3& mean_base) {
   const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
   const float squared = glm::dot(base, base);
@@ -160,7 +160,7 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
     if (s.thin && s.ior > 1) {
       out.add_extension(to.extensions, "KHR_materials_volume", {{"thicknessFactor", to_value(0)}});
     } else if (const float most = strongest_channel(m.absorption); most > 0) {
-      // glTF has one distance for all channels: where the most absorbed channel has fallen to 1 / e.
+      // glTF has one attenuation distance for all channels: the distance at which 1 / e of the most absorbed is left.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
       out.add_extension(to.extensions, "KHR_materials_volume",

@@ -6,11 +6,11 @@ namespace traces::gltf_export {
 /// Writes Scene::materials one to one as metallic-roughness with extensions, so that the rule of the loader
 /// (gltf/materials.h) restores the same values:
 ///
-///   mirror     a part a is metal (metallic a, roughness 0) and mirrors in the base colour. The rest w is a white
-///              dielectric mirror (KHR_materials_ior, 2 F0 = w / (1 - a)), or on glass, whose index is given, a clear
-///              coat. The tint gives a: a (base - 1) = mirror (tint - 1). A white surface with a white mirror is a
-///              metal if it mirrors half or more. A pure mirror is a metal of roughness 0, as its base colour is
-///              invisible.
+///   mirror     a sum of a metal and a white mirror. The metal (metallic a, roughness 0) mirrors in the base colour.
+///              The tint determines a by a (base - 1) = mirror (tint - 1). The white rest w = mirror - a is a
+///              dielectric (KHR_materials_ior, 2 F0 = w / (1 - a)), or a clear coat on glass, whose index is given.
+///              A white surface with a white mirror is a metal if it mirrors half or more. A pure mirror is a metal,
+///              because its base colour is invisible.
 ///   no mirror  roughness 1
 ///   per texel  (metal_rough_texture) the factors as they are; the index from `dielectric`, a clear coat from `coat`
 ///   glass      KHR_materials_transmission, _ior and _volume; a sheet that does not refract (ior 1) but mirrors white

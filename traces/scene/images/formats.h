@@ -31,9 +31,9 @@ struct ImageChannel {
 std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const ImageChannel> channels,
                       std::span<const float> values, std::span<const ImageNote> notes = {});
 
-/// Returns why a file must not be given to OpenEXR, which allocates whatever a header claims; an empty text if the file
-/// is safe. A safe file has one part of scan lines, only attribute types that exr_bytes() writes, all data within the
-/// file, up to four channels, and at most `most_pixels` pixels.
+/// Returns why a file must not be given to OpenEXR, which allocates as much memory as a header claims; an empty text if
+/// the file is safe. A safe file has one part of scan lines, only attribute types that exr_bytes() writes, all data
+/// within the file, up to four channels, and at most `most_pixels` pixels.
 std::string exr_problem(std::string_view file, std::uint64_t most_pixels);
 
 }  // namespace traces

@@ -173,7 +173,7 @@ void add_toilet(Scene& scene, const Materials& materials, const Detail& detail) 
       {0.15F, 0.11F, 0.3F},   {0.06F, 0.05F, 0.18F},   {0, 0, 0.17F}};
   const glm::vec3 lid[] = {{0.225F, 0.175F, 0.41F}, {0.245F, 0.188F, 0.415F}, {0.247F, 0.19F, 0.43F},
                            {0.235F, 0.18F, 0.442F}, {0.12F, 0.1F, 0.448F},    {0, 0, 0.45F}};
-  // The length of the mesh becomes x; the front is elongated.
+  // Makes the outline of the toilet egg-shaped, with a longer front (-x).
   const auto egg = [](const glm::vec3& p) {
     return glm::vec3(p.x < 0 ? 1.15F * p.x : p.x, p.y, p.z * (1 - 0.25F * p.x / 0.25F * 0.3F));
   };

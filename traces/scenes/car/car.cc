@@ -396,7 +396,7 @@ namespace {
 
 constexpr float kSeconds = 6, kWay = 7;
 
-/// Returns the distance that the car has driven at a time. It starts and ends at rest.
+/// Returns the distance that the car has driven at time `seconds`. The car starts and ends at rest.
 float distance_driven(float seconds) {
   const float t = seconds / kSeconds;
   return kWay * t * t * t * (10 - 15 * t + 6 * t * t);

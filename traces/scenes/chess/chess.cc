@@ -22,7 +22,7 @@ constexpr float kTableTop = -0.42F;
 
 constexpr float kFloor = -9, kCeiling = 14, kLeft = -15, kRight = 19, kBack = -17, kFront = 19;
 
-/// Makes all light or all dark squares of the board. Each shows another part of the plank's texture.
+/// Makes all light or all dark squares of the board. Each square shows a different part of the wood texture.
 Mesh make_squares(bool light) {
   Mesh squares;
   for (int file = 0; file < 8; ++file) {

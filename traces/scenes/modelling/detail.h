@@ -13,9 +13,10 @@ namespace traces {
 struct Detail {
   double share = 1;  ///< number of cells along a line, relative to the standard detail of the scene (1)
 
-  /// Returns the number of cells along a line: `at_detail_1` at detail 1, proportional to the detail, at least `least`.
+  /// Returns the number of cells along a line: proportional to the detail, `at_detail_1` at detail 1, at least `least`.
   std::uint32_t cell_count(double at_detail_1, std::uint32_t least = 1) const;
-  /// Returns a number of objects that grows with the number of triangles: `at_detail_1` at detail 1, at least `least`.
+  /// Returns a number of objects: proportional to the square of the detail (as the number of triangles is),
+  /// `at_detail_1` at detail 1, at least `least`.
   std::uint32_t piece_count(double at_detail_1, std::uint32_t least = 1) const;
   /// Returns a profile with fewer points for scenes of few triangles: every second point below detail 1/2, every third
   /// below detail 0.34, and the ends.

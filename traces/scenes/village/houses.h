@@ -47,8 +47,8 @@ void add_walls(Parts& parts, std::uint32_t wall, const HouseShape& shape);
 /// Adds a roof of tiles in relief on both sides, with boards along its edges.
 void add_roof(Parts& parts, std::uint32_t roof, std::uint32_t timber, const HouseShape& shape, float detail);
 
-/// Returns the coordinate system of a house wall, the wall that faces +x rotated by `turns` about y. Its origin is in
-/// the middle at height 0, x right, y up, z outwards.
+/// Returns the coordinate system of a house wall: x right, y up, z outwards. The wall faces +x, rotated by `turns`
+/// about y. Its origin is at distance `out` from the house's middle, `aside` to the right, at height `up`.
 glm::mat4 wall_frame(double turns, float out, float aside = 0, float up = 0);
 
 /// Makes a pointed or round-headed opening in the coordinates of a wall, with the middle of its foot at the origin.

@@ -96,7 +96,7 @@ Mesh make_square(std::string name, float radius, std::uint32_t round, float text
 
 Texture countryside_texture(std::string name, std::uint32_t size) {
   return paint_texture(std::move(name), size, size, [](float u, float v) {
-    // Each point of the land belongs to the nearest of shifted grid centres. Where two are equally near, a hedge grows.
+    // Each point belongs to the field with the nearest centre. A hedge grows where two centres are about equally near.
     constexpr float kFields = 13;
     const float warp = 0.5F * value_noise(u, v, 20, 8);
     const glm::vec2 p(u * kFields + warp, v * kFields + 0.6F * value_noise(u, v, 17, 9));
