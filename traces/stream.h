@@ -36,7 +36,7 @@ struct Access {
 struct Edge {
   enum class Kind : std::uint8_t {
     kAll,   ///< a barrier: all items of `node` must finish before any item starts
-    kEach,  ///< item i waits only for item source(i) of `node`, or for item i if the node maps no items
+    kEach,  ///< item i waits only for its source item of `node` (WorkNode::sources; item i if there are none)
   };
   std::uint32_t node = 0;
   Kind kind = Kind::kAll;
@@ -50,7 +50,7 @@ enum class Region : std::uint8_t {
   kCount
 };
 
-/// Bytes of one picture pixel: three channels in a packed format.
+/// Size in bytes of a pixel of the picture: three channels in a packed format.
 inline constexpr std::uint32_t kPixelBytes = 4;
 
 /// Sizes of the rasteriser's arrays in memory: scene vertices, transformed vertices, vertex numbers of each triangle,
@@ -116,7 +116,7 @@ struct WorkNode {
   RayKind ray_kind = RayKind::kPrimary;  ///< for kRays: the kind of rays
   KernelId kernel = 0;                   ///< for kLaunch: the kernel that runs
   std::uint32_t items = 0;    ///< number of work items, rays, bytes (kTransfer), triangles (kBin) or samples (kRaster)
-  std::uint32_t first = 0;    ///< kRays: the tile's first ray; kLaunch with accesses: first entry of access_begin
+  std::uint32_t first = 0;    ///< kRays: its first ray in the tile; kLaunch with accesses: first index in access_begin
   bool has_accesses = false;  ///< for kLaunch: its items read memory through the data cache
   std::uint32_t idle = 0;     ///< for kLaunch: number of inactive iterations after the last item
   Region region = Region::kPicture;  ///< for kTransfer: the part of memory that it accesses
@@ -125,7 +125,7 @@ struct WorkNode {
   /// For kTransfer to memory, the number of the tile's border that it completes. For kTransfer from memory, the index
   /// in TileWork::imports of the border that it reads. Otherwise kNone.
   std::uint32_t border = kNone;
-  std::uint32_t sources = kNone;  ///< if kEach edges map items: first entry in TileWork::sources; otherwise kNone
+  std::uint32_t sources = kNone;  ///< if kEach edges map items: its first index in TileWork::sources; otherwise kNone
   std::uint32_t raster = kNone;   ///< for kBin and kRaster: index in TileWork::raster
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;

@@ -15,8 +15,8 @@ struct PictureCamera {
   std::uint32_t width = 0, height = 0;
 };
 
-/// A projected point: (x / w, y / w) is its pixel position and w its depth. Depth is measured along the view and is 1
-/// in the plane of PictureCamera::corner.
+/// A projected point (x, y, w): (x / w, y / w) is its pixel position and w its depth. Depth is measured along the
+/// viewing direction and is 1 in the plane of PictureCamera::corner.
 using Projected = glm::dvec3;
 
 /// Projects points from world space to the picture.

@@ -40,7 +40,7 @@ struct Coverage {
 };
 
 /// Functional rasteriser: finds which samples each triangle covers and which triangle is nearest at each sample. It
-/// produces the work of the hardware unit in hw_models/raster.
+/// determines the work of the hardware unit in hw_models/raster.
 ///
 ///   geometry pass: triangles, one batch after the other -> triangle lists of screen regions
 ///   a wave:        lists of the regions that contain its samples -> blocks -> quads -> samples, nearest first

@@ -43,7 +43,7 @@ class ToWorld {
   glm::dvec3 offset_{0};
 };
 
-/// Returns the flag of the face of a triangle that is culled, in world space. A mirrored instance swaps front and back.
+/// Returns the flag of a triangle's culled face as seen in world space, where a mirrored instance swaps the two faces.
 std::uint32_t culled_face(const TriangleRecord& triangle, bool is_mirrored) {
   const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
   return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;

@@ -5,7 +5,8 @@
 
 namespace traces {
 
-/// Returns the scene with its motion, in its rest pose, as the bytes of a self-contained GLB file (glTF 2.0).
+/// Returns the bytes of a self-contained GLB file (glTF 2.0) that contains the scene in its rest pose, and its
+/// animation.
 ///
 /// 1. A scene that load_gltf() reads back gives the same picture. Other programs see what glTF can express: meshes with
 /// all attributes, nodes, tracks, skins, morph targets, textures as PNG, lights, cameras.

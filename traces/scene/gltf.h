@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Reads a glTF 2.0 file, .gltf or .glb, which its first bytes distinguish.
+/// Reads a glTF 2.0 file. Its first bytes determine whether it is a .gltf or a .glb file.
 ///
 /// 1. It reads the default scene's nodes with their triangles, materials, lights, perspective cameras, skins, morph
 /// targets and animations, posed at time 0.

@@ -7,7 +7,7 @@ namespace traces {
 
 /// Replaces emissive surfaces by point lights, because a Whitted renderer has only points and directions.
 ///
-/// 1. Each emissive instance with an emission of 1 or more gets one light. Weaker and unlit surfaces light nothing.
+/// 1. Each emissive instance with an emission of 1 or more gets one light. Weaker and unlit surfaces get none.
 /// 2. intensity = area x emission x mean of its texture. The light moves with the instance's node.
 /// 3. The position is the centroid, moved out of the emitter towards the middle of the scene, so that the emitter casts
 /// no shadow. It moves along the mean normal of an open surface, or the shortest side of a closed surface's box.

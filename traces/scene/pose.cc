@@ -194,7 +194,7 @@ NodePoses pose_nodes(const Scene& scene, double seconds) {
     local.push_back(rest_pose(node.rest));
     poses.morph_weights.emplace_back(node.morph_weights.begin(), node.morph_weights.end());
   }
-  // In reverse order, so that the first track of a node and path takes effect.
+  // In reverse order, so that the first of several tracks for a property of a node takes effect.
   for (auto track = scene.tracks.rbegin(); track != scene.tracks.rend(); ++track) {
     apply_track(*track, seconds, local[track->node], poses.morph_weights[track->node]);
   }

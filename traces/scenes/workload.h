@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene"
 
 enum class CameraPath : std::uint8_t {
   kScene,  ///< the camera moves as the scene animates it
-  kOrbit,  ///< the camera circles the middle of the scene at its distance and height
+  kOrbit,  ///< the camera circles the middle of the scene at constant distance and height
 };
 constexpr std::array<std::string_view, 2> names_of(CameraPath) { return {"scene", "orbit"}; }
 

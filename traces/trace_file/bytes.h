@@ -42,7 +42,7 @@ class ByteReader {
     const std::uint32_t first = read_byte();
     return first < 0x80 ? first : long_number(first & 0x7f);
   }
-  /// Reads a varint of at most `most`. `what`: name of the number in the error message.
+  /// Reads a varint. Throws InputError if it is above `most`; `what` names the number in the message.
   std::uint64_t read_number(std::uint64_t most, const char* what) {
     const std::uint64_t value = read_number();
     if (value > most) throw_out_of_range(what);
@@ -51,8 +51,8 @@ class ByteReader {
   std::uint32_t read_number32(std::uint64_t most, const char* what) {
     return static_cast<std::uint32_t>(read_number(most, what));
   }
-  /// Reads a difference and returns its sum with `base`. Throws InputError if the sum is above `most`. `what`: name of
-  /// the number in the error message.
+  /// Reads a difference and returns its sum with `base`. Throws InputError if the sum is above `most`; `what` names the
+  /// number in the message.
   std::uint32_t read_difference_from(std::uint32_t base, std::uint64_t most, const char* what) {
     const std::uint64_t coded = read_number();
     const std::uint64_t value = base + ((coded >> 1) ^ (~(coded & 1) + 1));

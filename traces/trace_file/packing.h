@@ -10,7 +10,7 @@ struct ZSTD_DCtx_s;
 
 namespace traces {
 
-/// Bytes of the smallest packed block, an empty zstd frame.
+/// Size in bytes of the smallest packed block, an empty zstd frame.
 inline constexpr std::uint64_t kLeastPacked = 9;
 
 /// Packs blocks of bytes with zstd. Each block becomes one zstd frame, which includes the size and checksum of the
@@ -39,9 +39,9 @@ class Unpacker {
   /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if there
   /// is none.
   static std::size_t size_of(std::string_view bytes);
-  /// Unpacks a zstd block of a trace. kBitsPadding bytes follow the contents, which are valid until the next call.
-  /// Throws InputError, without a file name, if the block is damaged or holds more than `most` bytes, which is checked
-  /// before memory is allocated.
+  /// Unpacks a zstd block of a trace. Returns its contents, which are followed by kBitsPadding more bytes and valid
+  /// until the next call. Throws InputError, without a file name, if the block is damaged or holds more than `most`
+  /// bytes, which is checked before memory is allocated.
   std::string_view unpack_block(std::string_view block, std::uint64_t most);
 
  private:

@@ -46,7 +46,7 @@ class TraceReader {
   /// Returns where in the trace file each tile of a part is.
   std::vector<FileRange> tiles(const Part& part) const;
 
-  /// Reads the tiles of a trace one at a time. Any number of cursors may be used at once.
+  /// Reads single tiles of a trace. Several cursors may be in use at the same time.
   class Cursor {
    public:
     explicit Cursor(const TraceReader& trace) : trace_(trace) {}

@@ -11,7 +11,7 @@
 
 namespace traces::gltf {
 
-/// The bytes of a buffer view. Throws InputError if the view exceeds its buffer.
+/// The bytes of a buffer view. view_bytes() throws InputError if the view exceeds its buffer.
 struct Bytes {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;

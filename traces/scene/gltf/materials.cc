@@ -239,7 +239,7 @@ void set_surface(Material& out, const Surface& s, const glm::vec3& mean_base) {
   if (out.mirror > 0) out.mirror_tint = (metal * mean_base + white * glm::vec3(1)) / (metal + white);
 }
 
-/// Converts one glTF material, and records where its textures are placed.
+/// Converts one glTF material, and records the placements of its textures.
 class Reader {
  public:
   Reader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)

@@ -36,8 +36,8 @@ class Textures {
   std::set<int> shown_;       ///< images that some texture of the scene shows
   std::uint64_t pixels_ = 0;  ///< number of decoded pixels, including copies for other wrap modes, filters or encodings
   std::map<std::pair<int, bool>, glm::vec4> means_;
-  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< index of the texture with an image, two
-                                                                          ///< wrap modes, nearest filter, sRGB
+  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< texture index by image, both wrap modes,
+                                                                          ///< nearest filter and sRGB
 };
 
 /// Source of a texture's coordinates: one of the primitive's coordinate sets, transformed by KHR_texture_transform.

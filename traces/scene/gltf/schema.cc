@@ -259,7 +259,7 @@ bool has_type(const Json& value, PropertyType type) {
   return value.is_boolean();
 }
 
-/// True if a value that is not a list has the type, range and choice that the rule of the property demands.
+/// True if a single value (not a list) has the type, range or enumeration value that the property's rule demands.
 bool has_valid_value(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {

@@ -286,9 +286,9 @@ class Resources {
   Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)
       : source_(source), folder_(std::move(folder)), budget_(budget), limits_(limits) {}
 
-  /// Reads the URIs in a list's entries and replaces them by keys of Source::external. tinygltf cannot read them
-  /// itself: it accepts few data: URIs, decodes '+' in file names as a blank and rejects files longer than byteLength.
-  /// Returns true if there were any URIs.
+  /// Reads the contents of the URIs in the entries of a JSON list, and replaces each URI by its key in
+  /// Source::external. tinygltf cannot read them itself: it accepts few data: URIs, decodes '+' in file names as a
+  /// blank and rejects files longer than byteLength. Returns true if there were any URIs.
   bool replace_uris(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;

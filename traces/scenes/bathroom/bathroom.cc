@@ -110,8 +110,8 @@ namespace {
 constexpr float kTileWidth = 0.2F, kTileHeight = 0.1F, kJoint = 0.003F, kTiled = 2.1F;
 constexpr int kAccentRow = 12;
 
-/// Makes tiles in running bond on a wall, from `left` to `right` in the wall's coordinates, cut at both ends. `accent`
-/// selects only the accent row.
+/// Makes tiles in running bond on a wall, from `left` to `right` in the wall's coordinates, cut at both ends. If
+/// `accent`, makes only the accent row, otherwise only the other rows.
 Mesh make_tiles(float left, float right, float top, bool accent, const Detail& detail) {
   const glm::vec2 rings[] = {{0, 0.002F}, {0, 0.006F}, {0.004F, 0.0085F}, {0.014F, 0.01F}};
   Mesh mesh;

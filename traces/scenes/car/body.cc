@@ -54,7 +54,7 @@ float width_fraction(float x) {
   return std::sqrt(std::sqrt(std::max(1 - e2 * e2 * (front > 0 ? 1.0F : e2), 0.0F)));
 }
 
-/// Returns how far front and rear of the car project in side view, as an x offset. It is largest at bumper height.
+/// Returns the x offset by which nose and tail of the car recede above and below the height at which they project most.
 float lean_offset(float x, float y) {
   const float front = glm::smoothstep(1.7F, kNose, x), rear = glm::smoothstep(1.75F, -kTail, -x);
   const float low = (y - 0.42F) / 0.30F, high = (y - 0.72F) / 0.40F;

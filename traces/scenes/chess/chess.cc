@@ -194,7 +194,7 @@ namespace {
 
 using chess::Piece;
 
-/// A kind of chess piece, and the squares of its pieces, such as "g1", one after the other.
+/// A kind of chess piece, and the squares of its pieces as one text, such as "c3f3".
 struct Placement {
   Piece piece;
   bool white;

@@ -232,7 +232,7 @@ void add_door(Scene& scene, const Materials& materials, const Detail& detail) {
   add_object(scene, transform_mesh(std::move(handle), wall), materials.brass);
 }
 
-/// Adds one wall above its panelling.
+/// Adds one wall of the room, without its panelling.
 void add_wall(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& origin,
               const glm::vec3& outward, float width, float height) {
   const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cell_count(12));

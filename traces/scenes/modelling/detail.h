@@ -18,8 +18,8 @@ struct Detail {
   /// Returns a number of objects: proportional to the square of the detail (as the number of triangles is),
   /// `at_detail_1` at detail 1, at least `least`.
   std::uint32_t piece_count(double at_detail_1, std::uint32_t least = 1) const;
-  /// Returns a profile with fewer points for scenes of few triangles: every second point below detail 1/2, every third
-  /// below detail 0.34, and the ends.
+  /// Returns a profile with fewer points if the detail is low: every second point below detail 1/2, every third below
+  /// 0.34. Both end points are always kept.
   std::vector<glm::vec2> coarser_profile(std::span<const glm::vec2> points) const;
 };
 
@@ -40,8 +40,8 @@ struct DetailSearch {
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search = {});
 
-/// Searches for the detail at which `make` builds a scene of about `triangles` triangles (a mesh counts once per
-/// instance), and returns that scene. `make` is called several times, so the caller should add textures afterwards.
+/// Searches for the level of detail at which `make` builds a scene of about `triangles` triangles (a mesh counts once
+/// per instance), and returns that scene. `make` is called several times, so the caller should add textures afterwards.
 Scene build_to_size(std::uint32_t triangles, const std::function<Scene(const Detail& detail)>& make);
 
 }  // namespace traces

@@ -30,7 +30,7 @@ Texture tile_texture(std::string name, const glm::vec3& first, const glm::vec3& 
 Texture cloth_texture(std::string name, const glm::vec3& warp, const glm::vec3& weft, std::uint32_t threads,
                       std::uint32_t seed, std::uint32_t size = 512);
 
-/// Returns a random number in [0, 1), or in [low, high): a hash of the keys.
+/// Returns a random number in [0, 1) (random_between: in [low, high)). The number is a hash of the keys.
 float random_unit(std::uint64_t key1, std::uint64_t key2 = 0, std::uint64_t key3 = 0);
 float random_between(float low, float high, std::uint64_t key1, std::uint64_t key2 = 0, std::uint64_t key3 = 0);
 

@@ -37,7 +37,7 @@ struct Tree {
 Tree make_tree(std::string name, const TreeShape& shape, float bark = 1);
 
 /// Shape of the leaves of a tree. Each leaf is two triangles. Leaves are spread over the twigs with random rotation and
-/// face roughly away from `centre`. Every leaf shows another small piece of the texture, so that colours vary.
+/// face roughly away from `centre`. Each leaf shows a different small piece of the texture, so that colours vary.
 struct LeafShape {
   float length = 0.25F, width = 0.14F;
   float scatter = 0.3F;  ///< largest distance of a leaf from its twig

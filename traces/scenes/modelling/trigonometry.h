@@ -13,7 +13,7 @@ float cos_turns(double turns);
 /// Returns the point (cos, sin) of an angle.
 glm::vec2 circle_point(double turns);
 
-/// Returns a rotation about an axis (a unit vector), counter-clockwise seen against the axis.
+/// Returns a rotation about an axis (a unit vector), counter-clockwise as seen from the tip of the axis.
 glm::quat axis_rotation(const glm::vec3& axis, double turns);
 
 }  // namespace traces
