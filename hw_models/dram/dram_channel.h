@@ -21,7 +21,7 @@
 
 namespace hw {
 
-/// Queue of the bursts that are booked on a DRAM channel's data bus and have not ended yet, by start time.
+/// Queue of the bursts that are booked on a DRAM channel's data bus and have not ended yet, sorted by start time.
 class DataBus {
  public:
   using Cycle = std::uint64_t;
@@ -90,7 +90,8 @@ class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  /// Maximum number of lines sent to one port in a tick: one that waited, and one that was read in this tick.
+  /// Maximum number of lines that the DRAM channel sends to one port in one tick: a line that waited, and a line that
+  /// was read in this tick.
   static constexpr std::size_t kMaxLinesPerTick = 2;
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
@@ -216,8 +217,8 @@ class DramChannel {
   std::size_t max_returns_;
   sim::Time return_at_ = 0;  ///< earliest time at which the channel can send its next response
   Arbiter ports_;
-  bool draining_ = false;  ///< writes go before reads until the write queue is down to its low mark
-  bool writing_ = false;   ///< the next command, `next_`, is for the write queue
+  bool draining_ = false;  ///< writes are served before reads until the write queue is down to its low mark
+  bool writing_ = false;   ///< the next command, `next_`, serves a request of the write queue
   ScheduledCommand next_;
   bool next_is_stale_ = true;
   Cycle reschedule_at_ = sim::kNever;  ///< next cycle at which the oldest read or write exceeds the age limit

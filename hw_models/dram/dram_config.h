@@ -16,7 +16,8 @@ namespace hw {
 /// lines differ in the last field.
 enum class DramMapping : std::uint8_t {
   kRowBankColumnChannel,  ///< consecutive lines fill a row in every channel, then move to the next bank
-  kRowColumnBankChannel,  ///< consecutive lines cycle through the banks, as bank groups require
+  kRowColumnBankChannel,  ///< consecutive lines cycle through the channels, then through the banks, alternating between
+                          ///< bank groups
   kRowBankChannelColumn,  ///< consecutive lines fill a row of one channel, then move to the next channel
 };
 constexpr std::array<std::string_view, 3> names_of(DramMapping) {
@@ -25,15 +26,15 @@ constexpr std::array<std::string_view, 3> names_of(DramMapping) {
 
 /// Order in which a memory controller refreshes the banks of a rank.
 enum class RefreshOrder : std::uint8_t {
-  kRoundRobin,  ///< bank after bank, the only order that LPDDR3 allows; a stream that cycles through the banks may then
-                ///< often meet the bank in refresh
-  kIdleFirst,   ///< first banks without queued requests, among the banks not yet refreshed in this round
+  kRoundRobin,  ///< bank after bank, the only order of LPDDR3; accesses that cycle through the banks in step may often
+                ///< meet the bank in refresh
+  kIdleFirst,   ///< among the banks not yet refreshed in this round, those without queued requests first
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
 /// Power state of the DRAM devices between frames.
 enum class DramIdle : std::uint8_t {
-  kPowerDown,    ///< power-down without refreshes: the lowest power; data are not kept
+  kPowerDown,    ///< power-down without refreshes: the lowest power; data are lost
   kSelfRefresh,  ///< self refresh of the part of the array whose data are kept
 };
 constexpr std::array<std::string_view, 2> names_of(DramIdle) { return {"power_down", "self_refresh"}; }

@@ -22,7 +22,8 @@ std::uint32_t lowest_bits_mask(std::uint32_t count) {
   return static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
 }
 
-/// Returns the distance between the numbers of two banks that are refreshed together: half of the bank groups or banks.
+/// Returns the distance between the numbers of two banks that are refreshed together: half the number of bank groups,
+/// or half the number of banks if there are no groups.
 std::uint32_t refresh_pair_distance(const DramOrganisation& organisation) {
   return organisation.bank_groups > 1 ? organisation.bank_groups / 2 : organisation.banks / 2;
 }

@@ -86,8 +86,8 @@ class CommandCalendar {
 
  private:
   static constexpr std::size_t kColumn = 0, kActivate = 1, kPrecharge = 2, kSync = 3, kKinds = 4;
-  /// Position of the ACT-2's bit in the masks `act2_conflicts_`. Must exceed the cycles from a command to any ACT-2
-  /// with which the command can conflict.
+  /// In the masks `act2_conflicts_`, the bit for the cycle of the ACT-2, the second half of an activate. Must exceed
+  /// the cycles from a command to any ACT-2 with which the command can conflict.
   static constexpr std::uint32_t kLatest = 32;
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
@@ -159,8 +159,7 @@ class CommandCalendar {
   const std::array<std::uint64_t, kKinds> command_bus_;
   const std::uint64_t data_bus_;  ///< mask of the data bus cycles that a line occupies
   Cycle base_ = 0;
-  /// Position of an ACT-2's bit in the masks `act2_conflicts_`. It must exceed the distance in cycles at which a
-  /// command and a later ACT-2 can conflict.
+  /// For each kind of command, mask of the cycles from `base_` on in which such a command cannot start.
   std::array<std::uint64_t, kKinds> blocked_{};
   std::uint64_t blocked_data_ = 0;
   Cycle act2_end_ = 0;    ///< first cycle after the last booked ACT-2; 0: none yet
@@ -169,7 +168,8 @@ class CommandCalendar {
   /// For a booked read or write, mask of the cycles in which the data of another line cannot start. [0]: without a CAS
   /// before the command; [1]: with a CAS.
   std::array<std::uint64_t, 2> forbids_data_{};
-  /// Mask, for each kind of command, of the start cycles that conflict with an ACT-2 at bit kLatest.
+  /// For each kind of command, mask of the start cycles that conflict with an ACT-2. Bit kLatest is the cycle of the
+  /// ACT-2.
   std::array<std::uint64_t, kKinds> act2_conflicts_{};
 };
 

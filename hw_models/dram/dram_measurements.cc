@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kAnswers = 64;
 
-/// Runs a list of requests through one DRAM channel. A request takes one cycle to reach the channel. So times measured
-/// inside the channel are one cycle later than those of the runner.
+/// Runs a list of requests through one DRAM channel. A request takes one cycle to reach the channel, so times measured
+/// inside the channel are one cycle later than those of this class.
 class ChannelRunner : Observer {
  public:
   ChannelRunner(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)

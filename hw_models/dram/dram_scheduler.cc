@@ -5,10 +5,9 @@
 
 namespace hw {
 
-/// Replaces `best` if one of the given banks of a rank has a better command of kind `kCommand`. Rank and bus
-/// constraints delay all banks of the rank equally. So the candidate starts in the first cycle that these constraints
-/// allow, for the oldest request whose bank is then ready. If no bank is then ready, the same applies from the cycle at
-/// which the first bank becomes ready.
+/// Replaces `best` if one of the given banks of a rank has a better command of kind `kCommand`. Let t be the first
+/// cycle that rank and bus constraints allow. The new command serves the oldest request whose bank is ready at t, and
+/// starts at t. If no bank is ready at t, t becomes the first cycle at which one is.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
                                                                       std::uint32_t rank, bool writes, Cycle from,
@@ -21,7 +20,8 @@ template <DramCommand kCommand>
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
     best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
   };
-  // Looks for a command that starts at cycle `slot`. True if the search ends: one was found, or `best` is earlier.
+  // Looks for a command that starts at cycle `slot`. True if the search can end: a command was found, or `best` starts
+  // earlier.
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
     const std::uint32_t ready = bank_mask & device_.ready_bank_mask<kCommand>(writes, slot);

@@ -214,8 +214,8 @@ class MemoryInterface {
   using Rays = MemoryFifo<RayJob>;
   using Hits = MemoryFifo<RayDone>;
 
-  /// `base`: start address of the ring buffers. `client`: client number of the rays at the core's port; hits have the
-  /// next.
+  /// `base`: start address of the ring buffers. `client`: number of the client for rays at the core's port. The client
+  /// for hits has the next number.
   MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;

@@ -17,8 +17,8 @@ inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
           .instances = layout.instances};
 }
 
-/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads. The order is that of the
-/// rays, then of the kernels' accesses; a simulated machine reads the lines in another order.
+/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads: first for the tile's
+/// rays, then for its kernels. A simulated machine reads the lines in another order.
 template <class Node, class Triangle, class Data>
 void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                            Data&& data) {

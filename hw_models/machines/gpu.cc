@@ -43,8 +43,8 @@ Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::
 
 namespace {
 
-/// Returns the size in bytes of a core's memory for spilled rays: the rays and hits of one chunk of a kernel launch
-/// that emits two batches of rays.
+/// Returns the size in bytes of a core's memory for spilled rays. It holds two batches of rays and their hits, as one
+/// chunk of a kernel launch can emit them.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 
 /// Returns the start address of each Area in memory: the frame's regions after the scene, then the given core's space
@@ -113,7 +113,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
       machine_.unit({unit_name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
                      config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
-  const auto known = sim::Lookahead::kByOwner;  // run_limits() computes their arrival times
+  const auto known = sim::Lookahead::kByOwner;  // run_limits() computes the arrival times of their messages
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(

@@ -120,7 +120,7 @@ inline void CorePort::send_line(std::uint32_t target, sim::Time now) {
 [[gnu::always_inline]] inline sim::Time CorePort::find_next_wake(sim::Time now) {
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
-  // The content of a message must not be read before the message is visible. The port wakes at that time.
+  // A message must not be read before it is visible to the receiver. The port wakes at that time.
   const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
     for (std::uint64_t left = all.nonempty_mask(); left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));

@@ -17,8 +17,8 @@ struct BankConflicts {
 /// Computes the bank conflicts of a scheduled kernel in a local memory of `bank_count` banks, a power of two,
 /// interleaved by 16 bytes.
 ///
-/// 1. Arrays of records are staggered, as a compiler would place them: the banks at which two successive arrays begin
-/// are one record apart.
+/// 1. Arrays of records begin in staggered banks, as a compiler would place them: each array begins in the bank after
+/// the first record of the previous array.
 /// 2. The functional units are scheduled statically, so k accesses to one bank in a cycle stall all of them for k - 1
 /// cycles.
 /// 3. Item i accesses record i. An access with a constant index goes to the same record for all items.

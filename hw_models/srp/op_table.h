@@ -29,7 +29,7 @@ enum class OpClass : std::uint8_t {
   kCount
 };
 inline constexpr std::size_t kOpClasses = static_cast<std::size_t>(OpClass::kCount);
-/// Number of operations (for memory classes: of 16-byte accesses) of each OpClass.
+/// Number of operations of each OpClass. For memory classes, number of 16-byte accesses.
 using OpMix = std::array<std::uint32_t, kOpClasses>;
 
 constexpr std::array<std::string_view, kOpClasses> names_of(OpClass) {

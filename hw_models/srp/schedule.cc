@@ -30,7 +30,7 @@ enum class Order : std::uint8_t {
 };
 
 /// Tries to place all operations of a kernel at one initiation interval, by iterative modulo scheduling. An operation
-/// that finds no free unit evicts others.
+/// that finds no free unit displaces others, which are placed again later.
 class Placer {
  public:
   Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii, Order order)
@@ -102,7 +102,8 @@ class Placer {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  /// Places an operation in the first cycle in which a unit is free; among free units, on the least capable one.
+  /// Places an operation in the first cycle in which a unit is free. Of several free units, it takes the least capable
+  /// one.
   void place_operation(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
@@ -131,8 +132,8 @@ class Placer {
            std::int64_t{dependence.distance} * ii_;
   }
 
-  /// Returns the unit from which operation `op`, started at cycle `start`, would evict the least urgent operations. The
-  /// search skips the rest of a unit that is already worse than the best so far.
+  /// Returns the unit on which operation `op`, if started at cycle `start`, would displace the least urgent operations.
+  /// The search leaves a unit as soon as it is worse than the best unit so far.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t unit_count, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
     const std::vector<BitVector>& rows = busy_rows(op);
@@ -188,8 +189,8 @@ class Placer {
   std::vector<std::uint32_t> units_;
   std::vector<std::int64_t> last_;  ///< start cycle of each operation's last placement; -1: not placed yet
   std::vector<std::uint32_t> by_urgency_,
-      rank_;               ///< operations, most urgent first; rank of each operation in that order
-  BitVector waiting_;      ///< ranks of the operations that are not placed
+      rank_;               ///< operations, most urgent first; position of each operation in that order
+  BitVector waiting_;      ///< positions in `by_urgency_` of the operations that are not placed
   std::size_t tried_ = 0;  ///< number of placements tried by the scheduler so far
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table of each pool: the operation at entry

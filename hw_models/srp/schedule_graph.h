@@ -44,15 +44,16 @@ class ScheduleGraph {
   /// True if node `id` of the kernel's graph is a product that is fused with an addition.
   bool is_fused(std::uint32_t id) const { return fused_[id]; }
 
-  /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of its or a later
-  /// item, at initiation interval `ii`. Empty if `ii` is too short for a value passed from item to item.
+  /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of its loop item, or
+  /// of a later item that uses its result. `ii`: initiation interval. Empty if `ii` is too short for a value passed
+  /// from item to item.
   std::vector<std::int64_t> path_heights(std::uint32_t ii) const;
   /// Returns the smallest initiation interval at which every value passed from item to item arrives in time.
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// The operation that produces an operand, in the loop item `distance` items earlier. kNone: the operand is a
-  /// constant or the item's number.
+  /// The operation that produced an operand, `distance` loop items earlier. kNone: the operand is a constant or the
+  /// item's number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
     std::uint32_t distance = 0;
@@ -118,8 +119,8 @@ class BitVector {
   std::vector<std::uint64_t> words_;
 };
 
-/// Returns the distance from `row` to the next busy row (`is_busy`) or free row (not `is_busy`) of a unit in a cyclic
-/// reservation table. Returns the number of rows if there is none. `row` may exceed that number.
+/// Returns the number of rows, in a unit's cyclic reservation table, from `row` to the next row that is busy
+/// (`is_busy`) or free (not `is_busy`). Returns the size of the table if there is none. `row` may exceed that size.
 inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool is_busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
@@ -127,8 +128,8 @@ inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool i
   return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, is_busy);
 }
 
-/// Returns the distance from row `from` to the first `length` free rows of a unit in a cyclic reservation table; at
-/// most `limit`.
+/// Returns the number of rows, in a unit's cyclic reservation table, from row `from` to the next gap of `length` free
+/// rows; at most `limit`.
 inline std::uint32_t rows_until_gap(const BitVector& rows, std::uint32_t from, std::uint32_t length,
                                     std::uint32_t limit) {
   if (rows.count_of(false) < length) return limit;

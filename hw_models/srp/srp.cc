@@ -230,7 +230,7 @@ void Srp::fill_arrived_line(sim::Time now) {
   loads_.mshrs_full = false;
 }
 
-/// Returns true if all cache lines that the loop needs by now have arrived. Otherwise stalls the array.
+/// Stalls the array unless all cache lines that the loop needs by now have arrived. Returns true if they have.
 bool Srp::ensure_loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
@@ -266,8 +266,8 @@ bool Srp::issue_loads(sim::Time now) {
   return true;
 }
 
-/// Fast path: handles the loads of later loop items early if that changes no result. That is the case for items without
-/// cache lines, and for items that hit while no miss is outstanding, so that no fill can precede them.
+/// Fast path: handles the loads of later loop items early if that changes no result. This holds for items without cache
+/// lines. It also holds for items that hit while no miss is outstanding, because no fill can then precede them.
 inline void Srp::issue_loads_that_hit() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
@@ -305,7 +305,7 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// For an ideal shader core: requests all cache lines of the loop as fast as MSHRs allow. True when all have arrived.
+/// For an ideal shader core: requests all cache lines of the loop as fast as MSHRs allow. True once all have arrived.
 bool Srp::load_all_items(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;

@@ -122,8 +122,7 @@ class Srp {
   void set_cache_tags(const CacheTags& tags) { cache_.set_tags(tags); }
 
  private:
-  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item: value of `lines_of_item` while no lines are
-                                                           ///< collected
+  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item: value of `lines_of_item` while `lines` is empty
   static constexpr std::uint64_t kAccessBytes = 16;        ///< bytes of one tile buffer access
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< tag of DMA jobs for spilled rays
   // A handle identifies a ray or node: slot of its tile (high bits) and index within the tile.
@@ -220,7 +219,8 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// Arrival times, at the shader core, of the next tile or border update, hit, cache line, and finished transfer.
+  /// Times at which the next message of each kind arrives at the shader core: tile or border update, hit, cache line,
+  /// finished transfer.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;

@@ -58,8 +58,8 @@ struct ArrayConfig {
   }
 };
 
-/// Maximum latency of a data-cache load in cycles. It is 64 because the loop items that wait for lines are bits of a
-/// 64-bit word.
+/// Maximum latency of a data-cache load in cycles. It is 64 because a 64-bit word has one bit for each loop item that
+/// waits for lines.
 inline constexpr std::uint32_t kMostLoadCycles = 64;
 
 /// Latencies of kernel operations: cycles from an operation's issue to the first use of its result.
@@ -68,8 +68,7 @@ struct OpLatencyConfig {
   std::uint32_t fp_mul = 2;
   std::uint32_t fp_compare = 1;
   std::uint32_t div_sqrt = 16;
-  std::uint32_t div_sqrt_interval = 1;  // pipelined, as the unit of SimTRaX, whose latency, area and energy are used
-                                        // here
+  std::uint32_t div_sqrt_interval = 1;  // pipelined, as in SimTRaX, the source of latency, area and energy
   std::uint32_t integer = 1;
   std::uint32_t int_mul = 2;
   std::uint32_t convert = 1;
