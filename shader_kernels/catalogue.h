@@ -66,7 +66,7 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
-    // Fused kernels. Variants of theirs are added at the end; tests require that all unfused kernels precede them.
+    // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,

@@ -124,7 +124,7 @@ class Fuser {
   std::vector<GraphNode> fuse_nodes() {
     for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) node_of_[i] = map_node(i);
     for (GraphNode& node : to_) {
-      if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // set last: the producer may come later
+      if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // set last: its producer may be a later node
     }
     return std::move(to_);
   }

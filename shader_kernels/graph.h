@@ -24,9 +24,9 @@ enum class Op : std::uint8_t {
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph. The inputs are earlier nodes, except in a loop-carried value: a kInput
-/// whose `distance` is not 0. There, inputs[0] is the node, usually a later one, that produced the value `distance`
-/// items ago.
+/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes, with one exception: a kInput whose
+/// `distance` is not 0 is a loop-carried value. Its inputs[0] is the node, usually a later one, that produced the value
+/// `distance` items ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};

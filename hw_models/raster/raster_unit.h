@@ -358,16 +358,18 @@ class RasterUnit {
   std::vector<Job> jobs_;
   std::uint64_t taken_ = 0, ended_ = 0;    ///< number of rasteriser jobs accepted and finished so far
   Cursor entering_, setting_;              ///< next triangle to enter the window, and next to be set up
-  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next list entry to enter the window: its run, and index in the run
+  std::uint32_t run_ = 0, run_entry_ = 0;  ///< number of the run (ListRun) of the next list entry to enter the window,
+                                           ///< and the entry's index in that run
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;
   std::uint32_t queued_ = 0;    ///< triangles queued from front stage (transform, set-up) to back stage (list, cover)
   std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have completed the back stage
   End end_ = End::kNot;         ///< final phase of the oldest job, if it is in one
   sim::Time end_until_ = 0;
-  std::uint64_t closed_ = 0;  ///< value of closed_lines() up to which lines must be sent before the oldest batch ends
+  std::uint64_t closed_ = 0;  ///< the oldest batch ends when sent_lines() has reached this value of closed_lines()
   std::uint32_t out_run_ = 0,
-                out_entry_ = 0;  ///< next list entry of the oldest batch to write: its run, and index in the run
+                out_entry_ = 0;  ///< number of the run (ListRun) of the oldest batch's next list entry to write, and
+                                 ///< the entry's index in that run
   sim::Activity<CycleReason> activity_;
 };
 

@@ -104,11 +104,11 @@ class TileRun {
  private:
   struct Progress {
     std::uint32_t done = 0;
-    std::uint32_t prefix = 0;   ///< batches of rays: number of leading rays, in whole chunks, that have returned
+    std::uint32_t prefix = 0;   ///< for a batch of rays: number of its first rays, in whole chunks, that have returned
     std::uint32_t readers = 0;  ///< number of unfinished nodes that need the node's results or ray slots
     bool follows_rays = false;
-    std::uint32_t first_batch = 0, batches = 0;  ///< launches: range of their batches in `batches_`
-    std::uint32_t first_chunk = 0;               ///< batches of rays: index of the first chunk in `chunk_left_`
+    std::uint32_t first_batch = 0, batches = 0;  ///< for a launch: range of its batches in `batches_`
+    std::uint32_t first_chunk = 0;               ///< for a batch of rays: index of its first chunk in `chunk_left_`
   };
   void collect_batches();
   bool is_ready(std::uint32_t launch) const;

@@ -117,8 +117,8 @@ struct ClassifyOccluded {
   }
 };
 
-/// True if a hit must be tested for transparency. `solid`: largest word of the hit triangle (flags above index) for
-/// which no test is needed.
+/// True if a hit must be tested for transparency. `triangle`: word of the hit triangle, with flags in the high bits and
+/// its index in the low bits. A word of at most `solid` needs no test.
 template <class V>
 M<V> needs_transparency_test(const I<V>& triangle, const I<V>& solid) {
   return logical_and(solid < triangle, triangle < traces::kNoHit);

@@ -39,8 +39,9 @@ struct Absorb {
   }
 };
 
-/// Multiplies a surface's base colour by its base texture, in the cases that shade_textured excludes: second texture
-/// coordinates, a texture whose alpha is used, or mirror or glass terms that depend on the colour.
+/// Multiplies a surface's base colour by its base texture, for surfaces that the kernel shade_textured excludes: those
+/// with second texture coordinates, with a texture whose alpha is used, or with mirror or glass terms that depend on
+/// the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName =

@@ -270,8 +270,8 @@ struct ClearEffects {
   }
 };
 
-/// Adds the weight of an effect ray to the visible fraction of the light source at its sample, unless the ray was
-/// blocked.
+/// Adds the weight of an effect ray (for soft shadows or occlusion) to the visible fraction of the light source, stored
+/// for the ray's sample. Adds nothing if the ray was blocked.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
   static constexpr std::string_view kMeaning =

@@ -178,8 +178,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). They are the rays in that quarter, of
-/// the 16 rays that generate_jittered_rays would generate for the pixel.
+/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). Of the 16 rays that
+/// generate_jittered_rays would generate for the pixel, they are the four in that quarter.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";

@@ -42,8 +42,8 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Material classes (textured, emissive, occluded) that delay the lighting of a surface. Their kernels change the
-/// surface's base colour, or add or remove light before or between the scene's lights.
+/// Material classes (textured, emissive, occluded) that delay the lighting of a surface. The kernels for these classes
+/// change the surface's base colour, or change its light before all light sources are added.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 

@@ -14,8 +14,8 @@
 
 namespace kernels {
 
-/// Position of the eye, and the viewing direction. The length of the direction vector is the number of depth units per
-/// unit of length.
+/// Position of the eye, and the viewing direction. The length of the direction vector is the number of the filter's
+/// depth units in one unit of length.
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
@@ -51,8 +51,8 @@ struct RecordVisible {
   }
 };
 
-/// Gives a mirrored or refracted ray a sample of its own, whose index is `apart` above that of the surface's sample.
-/// The new sample collects the light and geometry of that ray; its geometry begins as a miss.
+/// Gives a mirrored or refracted ray a sample of its own, whose index is that of the surface's sample plus `apart`. The
+/// new sample collects the light and geometry of that ray; its geometry begins as a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -139,8 +139,8 @@ class ShadedAround {
       : columns_(bounded_steps(pixel.remainder, tile.low_x, tile.high_x, [](float by) { return F<V>(by); })),
         rows_(bounded_steps(pixel.quotient, tile.low_y, tile.high_y, [&](float by) { return tile.pitch * by; })) {}
 
-  /// Calls f(index, inside) for the shaded sample at position `t` of the square around sample `centre`; `inside` is
-  /// false outside the picture. The centre itself is not allowed.
+  /// Calls f(index, inside) for the shaded sample number `t`, row by row, of the square around sample `centre`.
+  /// `inside` is false outside the picture. `t` must not be the number of the centre.
   auto call_with_tap(std::uint32_t t, const F<V>& centre, auto&& f) const {
     const std::uint32_t x = t % kSide, y = t / kSide;
     if (x == kRadius) return f(centre + rows_[step_index(y)].samples, rows_[step_index(y)].inside);
@@ -157,7 +157,7 @@ class ShadedAround {
   };
   using Steps = std::array<Step, 2 * kRadius>;
   /// Returns the offsets from column or row `from` to the columns or rows at distances -kRadius to kRadius, except 0.
-  /// `samples` converts a distance in pixels to samples.
+  /// samples(n) converts a distance of n pixels to an index offset.
   static Steps bounded_steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
@@ -362,7 +362,7 @@ struct ListContrasts {
     Local<V, WordRecord> masters;
     Counter<V> masters_count;
     F<V> bend, threshold;
-    F<V> branch;  ///< offset from a sample to its sample of the next layer of light; used only if kBranches > 0
+    F<V> branch;  ///< index offset from a sample to the same sample in the next layer of light, if kBranches > 0
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.colours, p.masters, p.masters_count, p.bend, p.threshold));
@@ -463,7 +463,7 @@ struct AverageContrasts {
     Local<V, ColourRecord> colours, pixels;
     FinishedUniforms<V> finished;
     I<V> apart;
-    I<V> branch;  ///< offset from a sample to its sample of the next layer of light; used only if kBranches > 0
+    I<V> branch;  ///< index offset from a sample to the same sample in the next layer of light, if kBranches > 0
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.masters, p.colours, p.pixels));
       FinishedUniforms<V>::describe(p.finished, port);
@@ -503,7 +503,7 @@ struct LimitColours {
   struct Ports {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;
-    I<V> branch;  ///< offset from a sample to its sample of the next layer of light (mirrored, refracted)
+    I<V> branch;  ///< index offset from a sample to the same sample in the next layer of light (mirrored, refracted)
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);

@@ -91,8 +91,8 @@ struct ClearSurface {
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// Port of the records from which a hit's object id is loaded: triangles, or with kInstanced instances. The
-/// intersection unit has just read the hit's triangle.
+/// Port of the records from which a hit's object id is loaded: triangles, or with kInstanced instances. The record of
+/// the hit's triangle is probably cached, because the intersection unit has just read it.
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
@@ -370,9 +370,9 @@ struct RecordBranchShadow {
   }
 };
 
-/// Separates a sample's global colour: all its light except ambient and local lights at the first hit, which
-/// interpolated samples compute themselves. The global colour is the difference of two sums, so that a traced sample's
-/// own colour does not change.
+/// Contributes to a sample's global colour: all its light except the ambient and local light at the first hit, which
+/// interpolated samples compute themselves. The global colour is the sample's colour before local light, minus that
+/// after local light, plus its final colour.
 template <bool kAfter>
 struct RecordLocal {
   static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";
@@ -416,9 +416,9 @@ struct RecordGlobal {
   }
 };
 
-/// Returns the channel value up to which a colour is faint, so that two faint colours always pass a colour check with
-/// `threshold`. Channels up to 0.0031 are encoded as 12.92 times themselves, so faint colours differ by at most 3^(1/2)
-/// x 12.92 x 0.04 = 0.9 of `threshold`.
+/// Returns the largest channel value of a colour that counts as faint. Two faint colours always pass a colour check
+/// with `threshold`: channels up to 0.0031 are encoded as 12.92 times themselves, so faint colours differ by at most
+/// 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold`.
 inline float largest_faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
 /// Counts the samples whose global colour is not faint. Two faint colours always pass the colour check.

@@ -118,8 +118,8 @@ struct TexturePorts {
     port(NAMED(p.texels));
   }
   /// Looks up a mip-mapped texture with first level `texture` for a footprint in texture coordinates. The level is the
-  /// logarithm of the footprint in texels. The exponent of that float selects the level, and its mantissa is the
-  /// blending weight.
+  /// logarithm of the footprint in texels, read from the bits of this float: its exponent is the number of the level,
+  /// and its mantissa is the blending weight.
   auto sample_mip_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));

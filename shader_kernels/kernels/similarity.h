@@ -153,8 +153,8 @@ Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
 
 /// Checks samples for multirate (Lee et al. 2016): both references must have the same object, similar normals and the
 /// same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture the colours of
-/// textured surfaces must be similar. A second, smaller threshold counts samples that pass with rather different
-/// colours.
+/// textured surfaces must be similar. Samples that pass, but whose colours differ by more than a second, smaller
+/// threshold, are counted as rough.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",

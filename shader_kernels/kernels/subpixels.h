@@ -129,9 +129,9 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// Selects the sub-pixels that the program supersample samples (Jin et al. 2009). A pixel is compared with the three
-/// neighbours at the sub-pixel's corner. The contrast of the four colours must reach the smallest threshold of the
-/// differing attributes.
+/// Selects the sub-pixels in which the program supersample takes more samples (Jin et al. 2009). A pixel is compared
+/// with the three neighbours at the sub-pixel's corner. The contrast of the four colours must reach the smallest
+/// threshold of the differing attributes.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
   static constexpr std::string_view kMeaning =
@@ -254,8 +254,8 @@ inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 /// Lists the active sub-pixels of a tile in chunks of 64, in the order of blocks of pixels (Jin et al. 2009).
 ///
 /// 1. The sub-pixels of a pixel stay in one chunk; entries at a chunk's end may be left empty for that.
-/// 2. Pixels with active sub-pixels are also listed, in the same order, as masters. Each chunk completes the masters
-/// that belong to its sub-pixels.
+/// 2. Pixels with active sub-pixels (masters) are also listed, in the same order. Each chunk completes the masters that
+/// belong to its sub-pixels.
 struct PackSubpixels {
   static constexpr std::string_view kName = "pack_subpixels";
   static constexpr std::string_view kMeaning = "pixel -> its active sub-pixels into the list, within one chunk";
@@ -350,8 +350,8 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// Adds the samples of a listed pixel's active sub-pixels to the sum that weigh_centres has stored, in the order of a
-/// frame with 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row; the last completes the sum.
+/// Adds the samples of a listed pixel's active sub-pixels to the sum that weigh_centres has stored, in the order in
+/// which the program full:16 adds them. A pixel has 16 items, its 4 x 4 cells row by row; the last completes the sum.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -360,7 +360,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< index in `colours` of the samples of entry 0 in the list of active sub-pixels
+    F<V> first_sample;  ///< index in `colours` of the first sample of entry 0 in the list of active sub-pixels
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
                                p.base_green, p.base_blue, p.first_sample));

@@ -30,8 +30,8 @@ struct ConeUniforms {
   }
 };
 
-/// Uniforms with the samples of a tile. A kernel's items are the samples of a pixel one after the other, pixels row by
-/// row. The reciprocals (`inverse_...`) replace divisions in kernels.
+/// Uniforms that describe the samples of a tile. A kernel's items are the samples of a pixel one after the other,
+/// pixels row by row. The reciprocals (`inverse_...`) replace divisions in kernels.
 template <class V>
 struct TileUniforms {
   F<V> x0, y0;                    ///< picture position of the tile's first pixel

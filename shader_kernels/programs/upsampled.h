@@ -48,8 +48,8 @@ class UpsampledProgram final : public FrameProgram {
   };
 
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// The first function returns the bytes of a sample's data for all lights, the second the mean bytes per border
-  /// sample that a neighbouring tile reads.
+  /// light_bytes_per_sample() returns the bytes of a sample's data for all lights. exchanged_bytes_per_sample() returns
+  /// the mean bytes per border sample that a neighbouring tile reads.
   std::uint32_t light_bytes_per_sample() const;
   std::uint32_t exchanged_bytes_per_sample() const;
   std::uint64_t stored_bytes_per_tile() const { return tiles_.stored_samples() * exchanged_bytes_per_sample(); }

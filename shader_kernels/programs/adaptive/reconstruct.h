@@ -30,8 +30,8 @@ namespace kernels {
 /// shaded cast primary rays only.
 ///
 /// The light of the samples is divided into layers: layer 0 is the surface, then mirrored light, then refracted light.
-/// Sample k of layer b of the pixel at `position` of the tile buffer has index position + (4 b + k) x positions. Shaded
-/// samples also have a colour.
+/// Sample k of layer b of the pixel at `position` of the tile buffer has index position + (4 b + k) x position_count().
+/// Shaded samples also have a colour.
 class ReconstructProgram final : public FrameProgram {
  public:
   enum class Filters : std::uint8_t { kApart, kOne };

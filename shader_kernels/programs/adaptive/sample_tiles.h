@@ -63,10 +63,10 @@ struct HaloPart {
   HaloPart part_nearest_tile(std::uint32_t columns, std::uint32_t rows) const;
 };
 
-/// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, although a tile
-/// imports only from the left and above.
+/// Tiles for programs whose pixels read neighbours up to `reach` pixels away in all directions. A tile imports samples
+/// only from the left and above.
 ///
-/// The pixels that a tile finishes are offset from its samples by `reach` to the left and up. The tile needs 2 *
+/// So the pixels that a tile finishes are offset from its samples by `reach` to the left and up. The tile needs 2 *
 /// `reach` columns and rows of its neighbours (its halo). With a reach of 1:
 ///
 ///   h h|h h h h    h  halo: samples of the tiles left, above, and above to the left
@@ -75,7 +75,8 @@ struct HaloPart {
 ///   h F|F F F .
 ///   h .|. . . .
 ///
-/// A tile stores in memory its last columns row by row, so that they end with the corner; then its last rows.
+/// A tile stores in memory its last 2 * `reach` columns, row by row (the corner comes last), then its last 2 * `reach`
+/// rows.
 class FinishedTiles {
  public:
   /// `side` is the desired side of a tile in pixels. Tiles that are not last in a row or column are at least as wide as

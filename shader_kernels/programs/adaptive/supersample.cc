@@ -197,8 +197,9 @@ constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + size
 
 }  // namespace
 
-// A tile stores in memory: its last two columns, row by row, so that they end with the corner; its last two rows; all
-// attributes, if they are kept in DRAM; the samples of active sub-pixels, if all must be traced before they are summed.
+// A tile stores in memory its last two columns, row by row, and its last two rows. If attributes are kept in DRAM, it
+// also stores all attributes. With packing `atomic` it also stores the samples of active sub-pixels, because all must
+// be traced before they are summed.
 std::uint64_t SupersampleProgram::stored_bytes_per_tile() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
@@ -420,8 +421,8 @@ SupersampleProgram::Node SupersampleProgram::sum_samples_from_memory(Tile& tile,
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighing);
 }
 
-/// Completes the listed pixels by adding the samples of their active sub-pixels. `first_index`: position in the list of
-/// active sub-pixels of the one to which the first stored colours belong.
+/// Completes the listed pixels by adding the samples of their active sub-pixels. `first_index`: index, in the list of
+/// active sub-pixels, of the sub-pixel whose colours are stored first.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
                                                          Node weighing) const {

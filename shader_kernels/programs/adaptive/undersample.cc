@@ -234,7 +234,7 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kScanned = 0;  // number of the border with all identity words that a scan corrects in a tile
+constexpr std::uint32_t kScanned = 0;  // border number for all identity words that a scan has corrected in a tile
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 

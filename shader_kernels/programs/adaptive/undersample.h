@@ -40,8 +40,8 @@ class PostCorrection {
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
   std::uint32_t scan_count() const;
-  /// Returns the direction of scan `number`, in the order of the paper: right, left, down, up; with two scans right,
-  /// down.
+  /// Returns the direction of scan `number`. The order is that of the paper: right, left, down, up; with only two
+  /// scans: right, down.
   Scan scan_direction(std::uint32_t number) const {
     return {2 * number >= scan_count(), scan_count() == 4 && number % 2 == 1};
   }

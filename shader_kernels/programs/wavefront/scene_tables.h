@@ -32,7 +32,8 @@ AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, tr
 /// Returns the parameters with which lookups find the mip level of a texture that has `levels` levels.
 LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
-/// Largest triangle word (flags and index) with which a nearest-hit ray's hit needs no transparency test.
+/// A hit of a nearest-hit ray needs a transparency test only if its triangle word (flags in the high bits, index in the
+/// low bits) is above this value.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
 /// Scene data that kernels do not read from memory: uniforms, and tables in the SRP's own memory. Other members select

@@ -53,7 +53,7 @@ struct TileResult {
   std::vector<PixelWork> pixel_work;  ///< work per pixel; a pixel may have several entries, or be a neighbour's
   traces::TileWork work;              ///< the graph of work, if it is recorded
   TileBuffer buffer;
-  /// Returns a sample's colour, clamped to [0, 1] as in the mean of its pixel.
+  /// Returns a sample's colour, clamped to [0, 1]. A pixel is the mean of sample colours that are clamped in this way.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
 };
 

@@ -41,7 +41,7 @@ TracedBatch WaveTracer::trace(RayKind kind, RaySlots& slots, std::uint32_t first
 TracedBatch WaveTracer::find_primary_hits(std::uint32_t ray_count, Node maker) {
   RaySlots& wave = buffer_.rays.wave;
   if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, ray_count, maker, false);
-  // The tracer finds the hits in both cases. The recorded work is that of the rasteriser.
+  // The host traces the rays to find the hits, but the recorded work is that of the rasteriser.
   tracer_.trace({wave.rays.data(), ray_count}, RayKind::kPrimary, {wave.hits.data(), ray_count}, nullptr);
   TracedBatch batch;
   if (graph_.is_recording()) {

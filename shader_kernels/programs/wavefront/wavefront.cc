@@ -329,8 +329,8 @@ void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   }
 }
 
-/// Adds ambient light and all lights to diffuse surfaces. At surfaces of a fused stage, that stage has already added
-/// ambient light and the first light, or has emitted the first occlusion ray instead.
+/// Adds ambient light and all lights to diffuse surfaces. At surfaces that a fused stage has lit, ambient light and the
+/// first light are already added, or the first occlusion ray is already emitted.
 void Wavefront::shade_local_lights(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   StageQueues& queues = wave_.buffer.queues;

@@ -17,7 +17,8 @@ namespace kernels {
 ///   separate      shade_surface -> [details] -> classify_surfaces -> kernels that record samples
 ///   fused         fetch_lit, or fetch_surface -> [details] -> light_surface; these also add ambient light and the
 ///                 first light, and record samples
-///   reduced rate  fetch_visible: only some samples find the light of effects
+///   reduced rate  fetch_visible; only some samples emit rays for occlusion and soft shadows, the others interpolate
+///                 the results
 ///
 /// Scenes with detailed materials insert the stages [details]:
 ///
