@@ -55,7 +55,7 @@ using AllKernels = std::tuple<
     ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
     ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
-    // Counts the samples of a tile whose global colour is not faint (undersample).
+    // Counts the samples of a tile whose global colour is not faint (program undersample).
     CountColoured,
     // Kernels of the reconstruct programs.
     GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,

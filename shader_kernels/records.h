@@ -104,7 +104,8 @@ struct GeometryRecord {
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// Data of a hit that supersample compares: a GeometryRecord without position, with a count of shadows instead of bits.
+/// Data of a hit that the program supersample compares: a GeometryRecord without position, with a count of shadows
+/// instead of bits.
 template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
@@ -136,7 +137,8 @@ struct SecondaryRecord {
   }
 };
 
-/// Geometry that reconstruct compares of one hit of a sample: the first hit, or the next one after a mirror or glass.
+/// Geometry that the program reconstruct compares of one hit of a sample: the first hit, or the next one after a mirror
+/// or glass.
 template <class V>
 struct VisibleRecord {
   Vec3<V> normal;  ///< shading normal; unit z for a miss

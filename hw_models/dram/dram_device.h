@@ -56,7 +56,7 @@ class CommandCalendar {
     }
   }
 
-  /// Returns the first cycle at or after `from` in which the command can start without a conflict on either bus.
+  /// Returns the first cycle at or after `from` in which the DRAM command can start without a conflict on either bus.
   Cycle first_free_cycle(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free_cycle(index_of(command), from);
     if (half_activate_ == 0) return from + cycles_until_free(mask_relative_to(blocked_[kActivate], from));

@@ -120,7 +120,8 @@ void L2Bank::write_back_victim(sim::Time now, const L2Store::Victim& victim, Til
   stats_.written_back += 1;
 }
 
-/// Moves a request to the head of the L2 bank's queue if the head is empty. Then processes the head unless blocked.
+/// Moves a request to the head of the L2 bank's queue if the head is empty. Then processes the head unless it is
+/// blocked.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;

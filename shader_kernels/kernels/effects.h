@@ -100,9 +100,10 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   }
 };
 
-/// Emits soft-shadow rays, with one launch per light and ray; replaces shade_diffuse. A ray goes to a point of the
-/// light's disc and ends one radius before it, so that the lamp's own geometry cannot block the ray. The light is
-/// computed for the disc's centre. With kShareAlone a ray carries only a weight, 1 / number of rays, instead of light.
+/// Emits soft-shadow rays, with one launch per light and ray; replaces the kernel shade_diffuse. A ray goes to a point
+/// of the light's disc and ends one radius before it, so that the lamp's own geometry cannot block the ray. The light
+/// is computed for the disc's centre. With kShareAlone a ray carries only a weight, 1 / number of rays, instead of
+/// light.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
@@ -162,9 +163,9 @@ struct CastAmbientPorts {
   }
 };
 
-/// Emits ambient-occlusion rays, with one launch per ray of a surface; replaces shade_ambient. Directions are
-/// cosine-distributed, so all rays have the same weight. With kShareAlone a ray carries only a weight, 1 / number of
-/// rays, instead of light.
+/// Emits ambient-occlusion rays, with one launch per ray of a surface; replaces the kernel shade_ambient. Directions
+/// are cosine-distributed, so all rays have the same weight. With kShareAlone a ray carries only a weight, 1 / number
+/// of rays, instead of light.
 template <bool kShareAlone>
 struct CastAmbient {
   static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";

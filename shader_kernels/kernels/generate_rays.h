@@ -104,8 +104,8 @@ F<V> rotated_grid_column(const F<V>& k) {
 }
 
 /// Generates rays on a rotated grid: each row and column of a pixel's n^2 x n^2 cells has one sample. Sample k of n x n
-/// is in row k and column n (k + 1) mod (n^2 + 1) - 1. With n = 2 these are the samples of reconstruct; with n = 1 the
-/// sample is centred.
+/// is in row k and column n (k + 1) mod (n^2 + 1) - 1. With n = 2 these are the samples of the program reconstruct;
+/// with n = 1 the sample is centred.
 struct GenerateRotatedRays {
   static constexpr std::string_view kName = "generate_rotated_rays";
   static constexpr std::string_view kMeaning = "sample -> primary ray, samples on a rotated grid";
@@ -149,7 +149,7 @@ struct ListSamples {
   }
 };
 
-/// Generates the primary rays of the samples in a list. The rays equal those of generate_rays.
+/// Generates the primary rays of the samples in a list. The rays equal those of the kernel generate_rays.
 struct GenerateListedRays {
   static constexpr std::string_view kName = "generate_listed_rays";
   static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
@@ -178,7 +178,7 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). Of the 16 rays that
+/// Generates four primary rays for each active sub-pixel (a quarter of a pixel). Of the 16 rays that the kernel
 /// generate_jittered_rays would generate for the pixel, they are the four in that quarter.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
@@ -215,8 +215,8 @@ struct GenerateExtraRays {
   }
 };
 
-/// Ports of the kernels that generate reconstruct's primary rays. Sample k of the pixel at position p of the tile
-/// buffer has index k * `apart` + p; sample 0 is shaded.
+/// Ports of the kernels that generate the primary rays of the program reconstruct. Sample k of the pixel at position p
+/// of the tile buffer has index k * `apart` + p; sample 0 is shaded.
 template <class V>
 struct VisibleRayPorts {
   Local<V, RayRecord> rays;
@@ -304,7 +304,8 @@ struct GenerateCentredRays {
   }
 };
 
-/// Generates the primary rays of the three samples per pixel that reconstruct does not shade, one item per sample.
+/// Generates the primary rays of the three samples per pixel that the program reconstruct does not shade, one item per
+/// sample.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";
   static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";

@@ -278,8 +278,8 @@ struct ShadeDiffuse {
   }
 };
 
-/// Adds the light of one light source to diffuse surfaces without a shadow ray; replaces shade_diffuse in frames
-/// without shadows. One launch per light.
+/// Adds the light of one light source to diffuse surfaces without a shadow ray; replaces the kernel shade_diffuse in
+/// frames without shadows. One launch per light.
 struct ShadeOpen {
   static constexpr std::string_view kName = "shade_open";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> its light into its sample, no shadow";
@@ -312,8 +312,8 @@ struct ShadeOpen {
   }
 };
 
-/// Adds the light of one light source to surfaces whose shadows are already known; replaces shade_diffuse for
-/// interpolated samples. One launch per light.
+/// Adds the light of one light source to surfaces whose shadows are already known; replaces the kernel shade_diffuse
+/// for interpolated samples. One launch per light.
 struct ShadeVisible {
   static constexpr std::string_view kName = "shade_visible";
   static constexpr std::string_view kMeaning =

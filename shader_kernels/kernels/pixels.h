@@ -40,7 +40,7 @@ struct AverageColour {
   }
 };
 
-/// Averages the samples of a pixel, as average_colour does, where the tile stores its samples row by row.
+/// Averages the samples of a pixel, as the kernel average_colour does, where the tile stores its samples row by row.
 struct AverageSamples {
   static constexpr std::string_view kName = "average_samples";
   static constexpr std::string_view kMeaning = "sample of a grid -> mean of its pixel's samples, clamped, linear light";
@@ -65,7 +65,7 @@ struct AverageSamples {
   }
 };
 
-/// Replaces average_colour for pixels with one sample: clamps the sample's colour.
+/// Replaces the kernel average_colour for pixels with one sample: clamps the sample's colour.
 struct TakeSample {
   template <class V>
   struct Ports {
@@ -83,7 +83,7 @@ struct TakeSample {
   }
 };
 
-/// Replaces average_samples for pixels with one sample: clamps the sample's colour.
+/// Replaces the kernel average_samples for pixels with one sample: clamps the sample's colour.
 struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {

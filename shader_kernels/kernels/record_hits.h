@@ -288,8 +288,8 @@ struct RecordSecondary {
   }
 };
 
-// Traits are the data that supersample compares between samples. A sample records one of its secondary hits: that of
-// the mirrored or refracted ray with the largest weight, one bounce after the first hit.
+// Traits are the data that the program supersample compares between samples. A sample records one of its secondary
+// hits: that of the mirrored or refracted ray with the largest weight, one bounce after the first hit.
 
 /// Returns a checksum of a position. Two hits of one sample almost never have equal checksums.
 template <class V>

@@ -151,10 +151,10 @@ Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
                  {clamp_to_unit<V>(b.x), clamp_to_unit<V>(b.y), clamp_to_unit<V>(b.z)}, weight);
 }
 
-/// Checks samples for multirate (Lee et al. 2016): both references must have the same object, similar normals and the
-/// same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture the colours of
-/// textured surfaces must be similar. Samples that pass, but whose colours differ by more than a second, smaller
-/// threshold, are counted as rough.
+/// Checks samples for the program multirate (Lee et al. 2016): both references must have the same object, similar
+/// normals and the same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture
+/// the colours of textured surfaces must be similar. Samples that pass, but whose colours differ by more than a second,
+/// smaller threshold, are counted as rough.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
@@ -220,8 +220,8 @@ GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord
           a.shadows};
 }
 
-/// Interpolates the colours of samples that passed the checks of multirate (Lee et al. 2016). Along x it also stores
-/// the geometry for the checks along y.
+/// Interpolates the colours of samples that passed the checks of the program multirate (Lee et al. 2016). Along x it
+/// also stores the geometry for the checks along y.
 template <bool kAlongY, bool kSecondary>
 struct InterpolateSample {
   static constexpr std::string_view kName =
@@ -269,7 +269,7 @@ M<V> crosses_texture_border(const F<V>& a, const F<V>& b, const F<V>& threshold)
   return logical_and(min(x, y) < threshold, 1.0F - threshold < max(x, y));
 }
 
-/// Checks samples for undersample: the seven similarity checks of Kim et al. 2016, table 1.
+/// Checks samples for the program undersample: the seven similarity checks of Kim et al. 2016, table 1.
 ///
 /// 1. The convexity check has a slack of 0.001 squared distances, because rounding would fail coplanar pairs.
 /// 2. Base and occlusion textures are read at the interpolated coordinates. Second coordinates are not stored, so a
@@ -330,8 +330,8 @@ struct CheckAttributes {
   }
 };
 
-/// Interpolates the attributes of samples that passed the checks of undersample (Kim et al. 2016), to be shaded next.
-/// Along x it also stores them for the checks along y.
+/// Interpolates the attributes of samples that passed the checks of the program undersample (Kim et al. 2016), to be
+/// shaded next. Along x it also stores them for the checks along y.
 template <bool kAlongY>
 struct InterpolateAttributes {
   static constexpr std::string_view kName = kAlongY ? "interpolate_attributes_y" : "interpolate_attributes_x";

@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Attributes that supersample compares between pixels. Each attribute has a contrast threshold; the threshold of
-/// kColour applies if no other attribute differs.
+/// Attributes that the program supersample compares between pixels. Each attribute has a contrast threshold; the
+/// threshold of kColour applies if no other attribute differs.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,
@@ -350,8 +350,9 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// Adds the samples of a listed pixel's active sub-pixels to the sum that weigh_centres has stored, in the order in
-/// which the program full:16 adds them. A pixel has 16 items, its 4 x 4 cells row by row; the last completes the sum.
+/// Adds the samples of a listed pixel's active sub-pixels to the sum that the kernel weigh_centres has stored, in the
+/// order in which the program full:16 adds them. A pixel has 16 items, its 4 x 4 cells row by row; the last completes
+/// the sum.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -498,9 +499,9 @@ struct ShowSubpixels {
   }
 };
 
-/// Decides, in a propagation round of supersample, which inactive sub-pixels become active. A sub-pixel is compared
-/// with those of its four neighbours that the previous round made active. It becomes active if the contrast among all
-/// of them reaches the smallest threshold of the attributes that made these neighbours active.
+/// Decides, in a propagation round of the program supersample, which inactive sub-pixels become active. A sub-pixel is
+/// compared with those of its four neighbours that the previous round made active. It becomes active if the contrast
+/// among all of them reaches the smallest threshold of the attributes that made these neighbours active.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =

@@ -201,8 +201,8 @@ struct SupersampleConfig : AdaptiveConfig {
   }
 };
 
-/// How reconstruct's filter weighs two normals, with x = 1 minus their clamped dot product: exp(-(sigma x)^2) as
-/// printed in the paper, or exp(-(x / sigma)^2).
+/// How the filter of the program reconstruct weighs two normals, with x = 1 minus their clamped dot product:
+/// exp(-(sigma x)^2) as printed in the paper, or exp(-(x / sigma)^2).
 enum class NormalWeight : std::uint8_t { kFactor, kWidth };
 constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
 

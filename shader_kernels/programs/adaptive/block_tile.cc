@@ -186,8 +186,8 @@ void BlockTile::trace_listed_samples(SampleQueue& list, Wavefront::Node lister, 
   if (!is_own) out.sampling.halo += items;
 }
 
-/// Records the global colour of each listed sample, for the colour check of undersample. Global colour is the light
-/// that does not come from lights at the first hit.
+/// Records the global colour of each listed sample, for the colour check of the program undersample. Global colour is
+/// the light that does not come from lights at the first hit.
 void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint) {
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
     ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());

@@ -11,7 +11,7 @@
 
 namespace kernels {
 
-/// Properties of multirate or undersample that all tiles of a frame share.
+/// Properties of the program multirate or undersample that all tiles of a frame share.
 struct BlockSetup {
   std::uint32_t grid = 1;          ///< number of samples along the side of a pixel
   std::uint32_t block = 2;         ///< number of samples along the side of a block
@@ -23,8 +23,8 @@ struct BlockSetup {
   float faint = 0;                   ///< colours pass every colour check if no channel is above this (CountColoured)
 };
 
-/// A frame of multirate or undersample. The picture's samples are divided into blocks. The last sample of each block is
-/// a reference R, which is always traced. The others are checked between two samples of their line:
+/// A frame of the program multirate or undersample. The picture's samples are divided into blocks. The last sample of
+/// each block is a reference R, which is always traced. The others are checked between two samples of their line:
 ///
 ///   I I I I        1. x samples of reference rows are between two references of the row.
 ///   I R x R        2. y samples of other rows are between two samples above and below.
@@ -79,7 +79,7 @@ struct Verdict {
   std::uint32_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 };
 
-/// Renders one tile by multirate or undersample, with the steps that both programs share.
+/// Renders one tile with the program multirate or undersample, by the steps that both programs share.
 class BlockTile {
  public:
   /// `block_of(tile)` returns the side in pixels of the blocks of tile `tile` in this frame.

@@ -393,7 +393,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = pixel_mark(tile, pixel);
 }
 
-/// Returns the debug mark of a pixel, from the comparisons that the filters of reconstruct make.
+/// Returns the debug mark of a pixel, from the comparisons that the filters of the program reconstruct make.
 SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
   const DivMod<float> at = row_and_column<float>(static_cast<float>(pixel), of);

@@ -25,8 +25,8 @@ struct Sampling {
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};
   std::uint64_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 
-  // Counts of supersample: pixels by their number of active sub-pixels; active sub-pixels by differing attributes (one
-  // may have several) and by the first of them; empty entries in lists of sub-pixels.
+  // Counts of the program supersample: pixels by their number of active sub-pixels; active sub-pixels by differing
+  // attributes (one may have several) and by the first of them; empty entries in lists of sub-pixels.
   std::array<std::uint64_t, 5> active{};
   std::array<std::uint64_t, kAttributes> reasons{}, first_reasons{};
   std::uint64_t padding = 0;
@@ -47,13 +47,13 @@ using SampleMark = std::uint16_t;
 inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
 static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
 
-// Mark of a pixel of supersample in debug pictures: bits of the attributes that differed at its active sub-pixels
-// (Attribute), and above them the number of these sub-pixels.
+// Mark of a pixel of the program supersample in debug pictures: bits of the attributes that differed at its active
+// sub-pixels (Attribute), and above them the number of these sub-pixels.
 inline constexpr std::uint32_t kActiveCountShift = kAttributes;
 inline constexpr std::uint32_t active_subpixel_count(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);
 
-/// Why a filter of reconstruct rejected a shaded sample, for surfaces, mirrored light and refracted light.
+/// Why a filter of the program reconstruct rejected a shaded sample, for surfaces, mirrored light and refracted light.
 enum class FilterEdge : std::uint8_t {
   kDepth,
   kNormal,
@@ -68,8 +68,8 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(FilterEdge::kCou
   return {"depth", "normal", "shadow", "reflection", "reflected-shadow", "refraction", "refracted-shadow"};
 }
 
-// Mark of a pixel of reconstruct in debug pictures: bits of the edges found by its filters (FilterEdge), and above them
-// the weight of all shaded samples that remained, as a fraction of 255.
+// Mark of a pixel of the program reconstruct in debug pictures: bits of the edges found by its filters (FilterEdge),
+// and above them the weight of all shaded samples that remained, as a fraction of 255.
 inline constexpr std::uint32_t kWeightShift = 8;
 static_assert(static_cast<std::size_t>(FilterEdge::kCount) <= kWeightShift);
 

@@ -157,7 +157,7 @@ struct KernelOf<LightImmediately<K>> {
   using Type = K;
 };
 
-/// True if kernel K records the shadows of the secondary hit with the largest weight (supersample).
+/// True if kernel K records the shadows of the secondary hit with the largest weight (program supersample).
 template <class K>
 inline constexpr bool kRecordsBranch = std::is_same_v<K, RecordBranchShadow>;
 template <bool kInstanced>

@@ -69,7 +69,7 @@ struct SampleRecords {
   std::vector<ColourRecord<float>> globals;  ///< global colours of samples: without light from lights at the first hit
 };
 
-/// Results of the similarity checks of multirate and undersample.
+/// Results of the similarity checks in the programs multirate and undersample.
 struct CheckRecords {
   std::vector<std::uint32_t> verdicts,
       identities;       ///< words of similarity checks and of post-correction, indexed by sample
@@ -88,7 +88,8 @@ struct SubpixelRecords {
   std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels, kept for rounds of propagation
 };
 
-/// Data that filters read: the records of reconstruct, and those of effects that are traced at only some pixels.
+/// Data that filters read: the records of the program reconstruct, and those of effects that are traced at only some
+/// pixels.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
   std::vector<ColourRecord<float>> lights;  ///< unblocked light of samples (UpsampledProgram)
