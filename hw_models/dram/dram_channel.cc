@@ -101,9 +101,9 @@ inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, b
   return queue.hit_position_mask(bank) != 0 || (queue.request_position_mask(bank) != 0 && !row_is_open);
 }
 
-/// Sends the line of a read to its requester; at most one line per cycle. If the link will have room when the line is
-/// due, pushes the line at once with that future timestamp. The early push frees an entry of the return queue too soon,
-/// which has no effect: the queue has room for twice the lines that can be pending.
+/// Sends the line of a read to its requester, at most one line per cycle. If the link will have room when the line is
+/// due, pushes the line now, with the due time as its timestamp. Its entry in the return queue is then freed early.
+/// That has no effect, because the queue has room for twice the lines that can be pending.
 bool DramChannel::send_response(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];

@@ -80,8 +80,7 @@ class CommandCalendar {
     act2_end_ = at + 2 * half_activate_ + cycles_until_free(blocked_[kActivate] >> half_activate_);
     assert(act2_end_ <= act2_until_ + half_activate_);
   }
-  /// Books an LPDDR5 CAS command, which starts the data clock WCK, at cycle `at`, and the read or write that follows
-  /// it.
+  /// Books, at cycle `at`, an LPDDR5 CAS command (it starts the data clock WCK) and the read or write that follows it.
   void book_cas_and_column(Cycle at) { book_kind(kSync, at); }
 
  private:

@@ -63,12 +63,11 @@ class DramClosedForms {
   }
 
  private:
-  /// Returns the cycles of the CAS before a read that follows a write after tWTR; 0 if the data clock WCK still runs.
+  /// Returns the cycles of the CAS before a read that follows a write as early as tWTR allows; 0 if the data clock WCK
+  /// still runs then.
   std::uint32_t cas_cycles_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
-  std::uint32_t column_span() const {
-    return (bursts_ - 1) * t_.ccd_l;
-    /// Returns the number of cycles from the first to the last column command of a line.
-  }
+  /// Returns the number of cycles from the first to the last column command of a line.
+  std::uint32_t column_span() const { return (bursts_ - 1) * t_.ccd_l; }
 
   const DramTiming t_;
   const std::uint32_t bursts_, commands_, ranks_, banks_, groups_;

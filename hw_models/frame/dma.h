@@ -12,7 +12,7 @@
 
 namespace hw {
 
-/// A core's DMA engine moves blocks between the core's tile buffer and memory, past the L2, one line per cycle.
+/// A core's DMA engine moves blocks between the core's tile buffer and memory, bypassing the L2, one line per cycle.
 ///
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///

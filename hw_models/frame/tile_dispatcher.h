@@ -98,7 +98,7 @@ class TileDispatcher {
   };
 
   bool dispatch_tile(sim::Time now);
-  /// True if the next tile must start after all others (`after_all`) and earlier tiles are unfinished.
+  /// True if the next tile must wait for all earlier tiles (`after_all`) and some of them are unfinished.
   bool next_tile_must_wait() const;
   bool has_room(std::size_t core) const;
   void collect_messages(sim::Time now);

@@ -32,7 +32,7 @@ struct ScheduledKernels {
 ScheduledKernels schedule_kernels(const GpuConfig& config);
 
 /// Small change of a GPU's timing, to measure how much results depend on chance (docs/noise.md). Cores start a few
-/// cycles later, the DRAM fabric latency may differ by one cycle, refreshes have another phase. The default is no
+/// cycles later, the DRAM fabric latency may differ by one cycle, refreshes are shifted in time. The default is no
 /// change. Method: Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA
 /// 2003.
 struct Perturbation {

@@ -19,7 +19,7 @@ namespace kernels {
 ///   per tile: generate_centred_rays -> shading without these effects -> unblocked light of all samples, visible
 ///             fractions of some -> [halo] -> upsample_effects (per light) -> pack_grid_sample
 ///
-/// Each sample in the tile buffer is a pixel of the tile or its halo. The index of its data for light l is increased by
+/// Each sample in the tile buffer is a pixel of the tile or its halo. Its data for light l are at its own index plus
 /// l times the number of samples.
 class UpsampledProgram final : public FrameProgram {
  public:
