@@ -279,10 +279,11 @@ struct DetailFields {
   }
 };
 
-/// How coordinates along one axis of a texture become texel numbers, without branches. A coordinate is clamped to [low,
-/// high], folded into [0, period), mirrored above 1 and scaled by `size`. A texel before the first is replaced by
-/// `below`, one after the last by `last` - `below`. A clamped axis has period 2. `offset` is half a texel for bilinear
-/// lookups. For nearest lookups it is 0, and `size` is slightly smaller so that 1 falls in the last texel.
+/// Addressing mode along one axis of a texture. It converts a coordinate to a texel number without branches. A
+/// coordinate is clamped to [low, high], folded into [0, period), mirrored above 1 and scaled by `size`. A texel before
+/// the first is replaced by `below`, one after the last by `last` - `below`. A clamped axis has period 2. `offset` is
+/// half a texel for bilinear lookups. For nearest lookups it is 0, and `size` is slightly smaller so that 1 falls in
+/// the last texel.
 template <class V>
 struct AxisRecord {
   F<V> size, last, low, high, period, inverse_period, below, offset;

@@ -92,8 +92,8 @@ class MemoryFifo {
   };
 
   static Addr end_of_line(Addr address) { return line_of(address) + kLineBytes; }
-  /// Returns the maximum number of outstanding read requests of a FIFO. Each request ends at the end of a record or
-  /// line.
+  /// Returns the maximum number of outstanding read requests of a FIFO. The number is limited because each request ends
+  /// at the end of a record or line.
   static std::size_t max_chunks(const Shape& shape) {
     return shape.depth * (std::size_t{shape.record_bytes} / kLineBytes + 2);
   }

@@ -95,7 +95,7 @@ class Gpu {
   void stop_early() { stopped_ = true; }
   bool is_stopped() const { return stopped_; }
 
-  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher. Shows progress during a run.
+  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher. Used to show the progress of a run.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
   /// Returns the reports (counters and cycle reasons) of all units, in a fixed order.

@@ -177,7 +177,7 @@ void RasterUnit::begin_front_stage(sim::Time now) {
   front_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-/// Queues the newly transformed vertices of the next triangle to be written to memory.
+/// Queues writes to memory of the newly transformed vertices of the next triangle.
 void RasterUnit::write_vertices() {
   const TileTag tile = job_at(setting_.job).job.tile;
   for (std::uint32_t i = 0; i < fetch_.missed_vertex_count(); ++i) {
@@ -270,7 +270,7 @@ bool RasterUnit::finish_oldest_job(sim::Time now) {
   return true;
 }
 
-/// Queues up to one cache line of tile-list entries of the oldest batch to be written to memory.
+/// Queues a write to memory of up to one cache line of the oldest batch's tile-list entries.
 bool RasterUnit::write_lists() {
   const Job& of = job_at(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;

@@ -16,8 +16,8 @@ class ConfigMemory {
  public:
   ConfigMemory(std::uint64_t bytes, std::size_t max_kernels) : free_(bytes) { resident_.reserve(max_kernels); }
 
-  /// Selects the kernel that runs next. Returns true if its configuration, of `config_bytes` bytes, is in the memory.
-  /// Otherwise loads it, and keeps it there if it fits.
+  /// Selects the kernel that runs next. Returns true if its configuration, of `config_bytes` bytes, is in configuration
+  /// memory. Otherwise loads it, and keeps it there if it fits.
   bool select_kernel(traces::KernelId kernel, std::uint64_t config_bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
@@ -50,8 +50,8 @@ struct LoopChunk {
   std::uint32_t begin = 0;             ///< index of the chunk's first item within the loop
 };
 
-/// The chunks of kernel launches that run as one loop on the shader core's array. The loop runs the working items of
-/// all chunks, then the idle items.
+/// The chunks of kernel launches that run as one loop on the shader core's array. The loop first runs all items
+/// that are not idle, then the idle items of all chunks.
 class LoopChunks {
  public:
   void reserve(std::size_t chunks) { chunks_.reserve(chunks); }

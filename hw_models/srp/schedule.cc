@@ -154,7 +154,7 @@ class Placer {
     return best;
   }
 
-  /// Places an operation on a unit at cycle `start`. Evicts operations that overlap it or use its result too early.
+  /// Places an operation on a unit at cycle `start`. Displaces operations that overlap it or use its result too early.
   void place_at(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {

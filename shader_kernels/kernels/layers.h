@@ -76,8 +76,8 @@ void continue_ray(LayerPorts<V, kColoured, kInstanced>& io, const M<V>& onwards,
   io.targets.store(out, {slot});
 }
 
-/// Tests whether a nearest-hit ray passes a transparent surface: the alpha of a mask is below its cutoff, or the alpha
-/// of a blended surface is too small to be visible.
+/// Tests whether a nearest-hit ray passes a transparent surface: the alpha of an alpha-masked surface is below its
+/// cutoff, or the alpha of a blended surface is too small to be visible.
 template <bool kColoured, bool kInstanced>
 struct TestAlpha {
   static constexpr std::string_view kName = kInstanced
@@ -111,9 +111,9 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   }
 };
 
-/// Tests how much light of a shadow ray passes a transparent surface, and continues the ray if enough does. A mask
-/// passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies the light by its transmission and base
-/// colour. Refraction is ignored, because a bent ray would miss the light source.
+/// Tests how much light of a shadow ray passes a transparent surface, and continues the ray if enough does. An
+/// alpha-masked surface passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies the light by its
+/// transmission and base colour. Refraction is ignored, because a bent ray would miss the light source.
 template <bool kColoured, bool kInstanced>
 struct TestShadow {
   static constexpr std::string_view kName =

@@ -98,8 +98,8 @@ struct ListDeferred {
   }
 };
 
-/// Light that a surface scatters if nothing blocks the light source. It falls off with the spot cone and the range as
-/// in glTF's KHR_lights_punctual.
+/// Light from one light source that a diffuse surface scatters if nothing blocks the light source. It falls off with
+/// the spot cone and the range as in glTF's KHR_lights_punctual.
 template <class V>
 struct DiffuseLight {
   Vec3<V> to_light;  ///< direction to the light source, not normalised: the source is at t = 1

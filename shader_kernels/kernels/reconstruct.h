@@ -204,8 +204,8 @@ struct ListBranches {
   }
 };
 
-/// The filter of reconstruct. The colour of each of a pixel's four samples is the weighted mean of the shaded samples
-/// around it; the pixel is the mean of the four. Each shaded sample is loaded once for all four:
+/// The filter of the program reconstruct. The colour of each of a pixel's four samples is the weighted mean of the
+/// shaded samples around it; the pixel is the mean of the four. Each shaded sample is loaded once for all four:
 ///
 ///   pixel = 1/4 sum_i (sum_j w_ij c_j) / (sum_j w_ij) = sum_j c_j (sum_i w_ij r_i),   r_i = 1/4 / sum_j w_ij
 ///
@@ -252,7 +252,8 @@ struct Reconstruct {
   }
 
  private:
-  /// One shaded sample that the filter of reconstruct reads, with its weight for each of the pixel's four samples.
+  /// One shaded sample that the filter of the program reconstruct reads, with its weight for each of the pixel's four
+  /// samples.
   template <class V>
   struct Tap {
     Vec3<V> colour;

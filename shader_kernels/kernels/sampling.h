@@ -94,8 +94,8 @@ struct TrilinearSample {
   F<V> blend_levels(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
-/// Mask of the texture number in TexcoordRecord::texture. In scenes with mip maps the other bits are the footprint of
-/// the ray.
+/// Mask of the bits of TexcoordRecord::texture that hold the texture number. In scenes with mip maps the other bits
+/// hold the footprint of the ray.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
 I<V> pack_footprint(const I<V>& texture, const F<V>& footprint) {

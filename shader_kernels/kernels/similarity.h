@@ -10,8 +10,8 @@
 namespace kernels {
 
 /// Similarity checks between the two reference samples around a sample. A kernel stores the failed checks as bits in
-/// the tile buffer; 0 means that all passed. The checks are in the order of the papers. The first failed check is
-/// reported as the reason why a sample is traced.
+/// the tile buffer; 0 means that all passed. The checks are in the order of the papers (Kim et al. 2016, Lee et al.
+/// 2016). The first failed check is reported as the reason why a sample is traced.
 enum class Check : std::uint8_t {
   kObject,
   kPosition,

@@ -105,7 +105,8 @@ I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 
-/// Word of failed similarity checks of a reference sample. No kernel checks reference samples.
+/// Value stored for a reference sample instead of its failed similarity checks, because no kernel checks reference
+/// samples.
 inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels

@@ -12,8 +12,8 @@
 
 namespace kernels {
 
-/// Frame program full:1 that traces effects at only some pixels (RenderConfig::effect_rate). Only at some pixels do
-/// first hits emit rays for occlusion and soft shadows. A filter computes the effects at the other pixels
+/// Frame program full:1 that traces effects at only some pixels (RenderConfig::effect_rate). First hits emit rays for
+/// occlusion and soft shadows at only some pixels. A filter computes the effects at the other pixels
 /// (docs/design/effects.md).
 ///
 ///   per tile: generate_centred_rays -> shading without these effects -> unblocked light of all samples, visible

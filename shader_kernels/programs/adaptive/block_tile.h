@@ -82,7 +82,7 @@ struct Verdict {
 /// Renders one tile with the program multirate or undersample, by the steps that both programs share.
 class BlockTile {
  public:
-  /// `block_of(tile)` returns the side in pixels of the blocks of tile `tile` in this frame.
+  /// `block_of(tile)` returns the side, in samples, of the blocks of tile `tile` in this frame.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
       : BlockTile(frame, frame.tiles.sample_tile(frame.order[tile_index]), tracer, record, result) {

@@ -238,7 +238,8 @@ constexpr std::uint32_t kScanned = 0;  // border number for all identity words t
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
-/// Returns how many pixels the samples belong to, with `samples_per_side` squared samples per pixel.
+/// Returns the number of different pixels to which the samples belong. `samples_per_side`: number of samples along the
+/// side of a pixel.
 std::uint32_t count_pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t samples_per_side) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
   for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / samples_per_side, s.y / samples_per_side);

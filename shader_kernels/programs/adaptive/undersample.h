@@ -25,7 +25,7 @@ class PostCorrection {
   struct Scan {
     bool is_along_y = false, is_backward = false;
   };
-  /// An interpolated sample that a scan of post-correction has found suspect and is to trace.
+  /// An interpolated sample that a scan of post-correction has found suspect and traces next.
   struct Suspect {
     std::uint32_t tile = 0;
     std::uint32_t round = 0;  ///< 1 plus the length of the chain of suspects that made this sample suspect

@@ -101,7 +101,7 @@ enum class Waits : std::uint8_t {
   kBounce,     ///< waits for queues or base colours, all rays of the bounce, and the previous bounce
 };
 
-/// Effects of a shading stage, which determine for what later stages wait; one bit per effect.
+/// Properties of a shading stage, one bit each. They determine what later stages wait for.
 enum StageEffect : std::uint32_t {
   kFetches = 1,      ///< the stage writes surfaces; the next stage waits for it item by item
   kFillsQueues = 2,  ///< the stage fills queues; later stages wait for it

@@ -12,9 +12,9 @@ using traces::RayKind;
 
 namespace {
 
-/// A shadow ray whose light is below this fraction of min_weight is dropped; by default that is one step of a dark
-/// 8-bit sRGB channel. Paths are dropped at a larger weight, because a sample has few paths, while a picture may have
-/// many dark surfaces.
+/// A shadow ray is dropped if its light is below this fraction of the key render.min_weight. By default that is one
+/// step of a dark 8-bit sRGB channel. Paths end at render.min_weight itself, which is larger, because a sample has few
+/// paths, while a picture may have many dark surfaces.
 constexpr float kLeastLight = 0x1p-5F;
 
 }  // namespace

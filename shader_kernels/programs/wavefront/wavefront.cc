@@ -45,7 +45,8 @@ constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
 });
 
-/// Fused stage that also adds ambient light and the first light, for scenes without and with texture details.
+/// Fused stage that also adds ambient light and the first light, in two variants: for scenes without and with texture
+/// details.
 struct LitStage {
   WaveStage plain, detailed;
 };
