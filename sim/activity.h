@@ -53,7 +53,8 @@ consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lin
   return all;
 }
 
-/// Accounting of a unit's time: every cycle is charged to exactly one CycleReason, whose last value must be kCount.
+/// Accounting of a unit's time: every cycle is charged to exactly one CycleReason. The last value of that enumeration
+/// must be kCount.
 template <class CycleReason>
 class Activity {
  public:

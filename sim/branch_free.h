@@ -10,7 +10,7 @@ namespace sim {
 /// Number of values that match_mask8() compares at once, in two AVX2 vectors where available.
 inline constexpr std::size_t kMatchWidth = 8;
 
-/// Returns a mask of the values, among eight, that equal `number`.
+/// Compares eight values with `number`. Returns a mask of those that are equal to it.
 #if defined(__AVX2__)  // compiler vector extensions, because including <immintrin.h> would slow down compilation
 inline unsigned match_mask8(const std::uint64_t* eight_numbers, std::uint64_t number) {
   using Four [[gnu::vector_size(32)]] = std::uint64_t;

@@ -124,8 +124,8 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     watchdog.run_due_checks(now);
     reach.end = std::min(reach.end, watchdog.next_boundary());
     const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
-    // Time that the inner partition has reached. If a link is full, a pop would wake the partition at once, so it
-    // counts as being at `now`.
+    // Time that the inner partition has reached. While one of its links is nearly full, a pop could wake the partition
+    // at once, so it counts as being at `now`.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
     Time reached = reach.end;  // time reached by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {

@@ -11,7 +11,7 @@
 
 namespace sim {
 
-/// The input links of one unit, at most 64, with a mask of the links that contain items, so that others are skipped.
+/// The input links of one unit, at most 64. A mask shows which links contain items, so that empty ones are skipped.
 template <class T>
 class Inputs {
  public:

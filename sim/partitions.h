@@ -49,12 +49,12 @@ struct ClusterTurn {
   const Partition& partition;
   Time inner;                    ///< time that the inner partition has reached
   Time end;                      ///< time before which the cluster's run ends
-  std::span<const Time> others;  ///< group minima of the wake-up times of the partition's other units
+  std::span<const Time> others;  ///< earliest wake-up time in each group of the partition's other units
 
   /// True if the cluster may tick at time `at`: the partition may run to that time, and none of the partition's units
   /// outside the cluster is due before.
   bool includes_time(Time at) const {
-    // A single comparison, because the limit that ends the turn is unpredictable.
+    // A single comparison, because it is unpredictable which limit ends the turn.
     Time over = run_limit(partition, inner, end) - 1;
     for (const Time& other : others) over = std::min(over, other);
     return at <= over;

@@ -120,7 +120,7 @@ class WakeupTable {
                             std::min(load_time(eight_times[6]), load_time(eight_times[7])));
     return std::min(a, b);
   }
-  /// Returns a mask of the units that wake at `now`, among the units of up to eight groups.
+  /// Returns a mask of the units that wake at `now`. `times`: wake-up times of up to eight groups of units.
   static std::uint64_t due_mask(const Time* times, std::size_t group_count, Time now) {
     std::uint64_t due = match_mask8(times, now);
     for (std::size_t g = 1; g < group_count; ++g)

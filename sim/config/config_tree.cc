@@ -23,8 +23,8 @@ void find_nodes_with_key(const ConfigNode& group, std::string_view key, std::vec
   }
 }
 
-/// True if an unknown key in `group` may have been meant as the configuration field `elsewhere` of another group. If
-/// `group` has no subgroups, it must contain a field of the same kind as `elsewhere`.
+/// True if an unknown key in `group` may have been meant as the configuration field `elsewhere` of another group. A
+/// group without subgroups qualifies only if it has a field of the same type as `elsewhere`.
 bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
   if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
   return !elsewhere.is_group() &&
@@ -39,8 +39,8 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Finds the fields of a group whose settings have the highest precedence (ConfigNode::nearness), if that is higher
-/// than `than`. Collects the origins of these settings (files, --set arguments) and sets `than` to their precedence.
+/// Finds the settings in a group whose precedence (ConfigNode::nearness) is highest and above `than`. Adds their
+/// origins (files, --set arguments) to `origins`, and sets `than` to their precedence.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {

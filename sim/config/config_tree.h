@@ -51,7 +51,7 @@ constexpr std::array<std::string_view, 13> names_of(FieldKind) {
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
-/// Callback for each rule that a configuration struct's check() finds violated, with the key and the problem.
+/// Callback that a configuration struct's check() calls for each violated rule, with the key and the problem.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 inline constexpr std::string_view kSetOrigin = "--set ";
@@ -79,7 +79,7 @@ struct ConfigNode {
   std::function<void(const Complain&)> check;  ///< function that checks the rules of a group, if it has any
   std::vector<std::string> bundle;             ///< sibling groups that extend the files named by this field
   std::map<std::string, std::string, std::less<>>
-      not_modelled;    ///< reason for each key of a mechanism that is not modelled
+      not_modelled;    ///< keys of mechanisms that are not modelled, each with the reason
   std::string origin;  ///< where the value was set last: a file, or a --set argument; empty for a default
   std::size_t nearness =
       0;  ///< how near the origin is to the user: least for files extended by others, greatest for --set
@@ -158,8 +158,8 @@ void check_tree(const ConfigNode& root, std::string_view origin = {});
 /// Throws InputError("<origin>: <path>: <problem>"). An empty origin or path is left out.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// Returns a hint for an unknown configuration key in a group: "did you mean 'x'?", with the same key in another group
-/// or the nearest key of this group, or otherwise a list of the allowed keys.
+/// Returns a hint for an unknown configuration key: "did you mean 'x'?" with the same key in another group or the
+/// nearest key of this group. If there is neither, the hint lists the allowed keys.
 std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
 /// Combines several callables into one visitor for std::visit.

@@ -59,7 +59,7 @@ void ConfigVariant::reset() {
 
 std::string ConfigVariant::hash(std::optional<Affects> only) const {
   std::string text;
-  text.reserve(bytes_ + bytes_ / 4);  // few changed values are longer than in the base
+  text.reserve(bytes_ + bytes_ / 4);  // spare room, because changed values may be longer than in the base
   for (const Node& node : nodes_) {
     if (only && (node.affects & affects_bit(*only)) == 0) continue;
     const bool is_unchanged = node.base->is_group() || has_same_value(*node.base, *node.variant);

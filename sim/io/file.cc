@@ -314,8 +314,7 @@ constexpr std::size_t kMostNote = 512;
   throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), error_text(error)));
 }
 
-// Returns a description of a lock on the whole file, for fcntl(). Unlike a lock of flock(), other hosts see such a
-// lock.
+// Returns a description of a lock on the whole file, for fcntl(). Other hosts see such a lock, but no lock of flock().
 struct flock whole_file_lock() {
   struct flock range {};
   range.l_type = F_WRLCK;

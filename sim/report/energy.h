@@ -97,9 +97,9 @@ struct EnergyReport {
   EnergyReport& operator+=(const EnergyReport& other);
 };
 
-/// Computes the energy of each block: sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock
-/// counts in cycles charged to reasons of kind kIdle. Factors in `scales` multiply all but device events. Throws
-/// InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a part.
+/// Computes the energy of each block: sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. A unit uses
+/// idle clock energy in cycles charged to reasons of kind kIdle. Factors in `scales` multiply all but device events.
+/// Throws InputError if `config` lacks the energy of an event, `logic` or `flops` of a unit, or the area of a part.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});

@@ -20,7 +20,7 @@ inline constexpr std::array<BandMember, 3> kBandMembers = {&Band::low, &Band::no
 struct EnergyPoint {
   const Band* left = nullptr;
   const Band* right = nullptr;  ///< second point; null: the energy is that of `left`
-  double part = 0;              ///< position between `left` and `right`, in the logarithm of the size
+  double part = 0;              ///< position between `left` (0) and `right` (1), in the logarithm of the size
   double energy_of(BandMember member) const;
   friend bool operator==(const EnergyPoint&, const EnergyPoint&) = default;
 };

@@ -74,7 +74,8 @@ std::string output_of(const Words& arguments, const ProcessEnvironment& around =
 /// Returns the arguments of a short run: 64 x 32 pixels on one thread, with results in `out`.
 Words small_run(const std::filesystem::path& out, const Words& more = {});
 
-/// Returns a file of `count` rays that go down into the Cornell box. The file of fewer rays is a prefix.
+/// Returns a file of `count` rays that go down into the Cornell box. A file with fewer rays is a prefix of one with
+/// more.
 std::string ray_list(std::size_t count);
 
 nlohmann::json read_json(const std::filesystem::path& path);

@@ -18,7 +18,7 @@ inline void expect_between(const char* what, double value, double low, double hi
 
 namespace reproduce {
 
-/// Returns the metrics of a setting of `raywatt reproduce` on a scene at a given width.
+/// Returns the metrics of a test case of `raywatt reproduce`, given by scene, setting and picture width.
 inline std::map<std::string, double> measure(const std::vector<Case>& cases, const std::string& scene,
                                              const std::string& setting, std::uint32_t width) {
   for (Case c : cases) {

@@ -156,7 +156,7 @@ DebugPicture weights_picture(const Canvas& canvas) {
   });
 }
 
-/// Adds a picture for each kind of filter edge that occurs in the frame.
+/// Adds a debug picture for each kind of edge that limits the reconstruction filter somewhere in the frame.
 void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
   constexpr auto kNames = names_of(kernels::FilterEdge{});
   SampleMark all = 0;

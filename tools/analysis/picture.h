@@ -33,7 +33,7 @@ std::optional<double> psnr_db(double mean_squared_error);
 /// Error of a frame's picture against its reference picture, on unquantised sRGB values.
 struct PictureError {
   double squared = 0;  ///< mean squared error
-  /// Mean squared error of the change since the previous frame; none in the first frame.
+  /// Mean squared change of the picture's error since the previous frame; none in the first frame.
   std::optional<double> change = {};
 };
 

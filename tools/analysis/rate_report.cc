@@ -24,7 +24,8 @@ Json clocks_json(const OperatingPoint& clocks) {
   return {{"factor", clocks.factor}, {"mhz", mhz}, {"volt", volt}, {"power_w", sim::band_json(clocks.power_w)}};
 }
 
-/// Evaluates a run at the target rate frame.fps. `slowest_share`: time of the slowest frame over the mean frame time.
+/// Evaluates a run at the target rate frame.fps. `slowest_share`: time of the slowest frame divided by the mean frame
+/// time.
 FrameRate frame_rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
   const double ms = time_ms(run);
   return evaluate_frame_rate(config, {.energy = run.energy,

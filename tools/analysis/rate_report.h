@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// Adds the figures at the target rate frame.fps (at_fps, power_at_fps_w, fps_margin) to a report's totals, with
+/// Adds the metrics at the target rate frame.fps (at_fps, power_at_fps_w, fps_margin) to a report's totals, with
 /// statistics if there are replicates. No effect if frame.fps is 0. `frames`: the report's list of frames.
 void add_frame_rate(sim::Json& totals, const FrameResult& run, const sim::Json& frames, const RunConfig& config);
 

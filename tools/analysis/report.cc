@@ -191,7 +191,7 @@ double pixel_count_of(const ReportFile& report) {
   return report.number("resolution[0]") * report.number("resolution[1]");
 }
 
-/// Returns `totals.replicates` of a report: statistics of each noisy figure over all simulations of the run. `plain`:
+/// Returns `totals.replicates` of a report: statistics of each noisy metric over all simulations of the run. `plain`:
 /// totals of the first, unperturbed simulation.
 Json replicates_json(const ComparedResult& result, const Json& plain) {
   std::vector<Json> plays = {plain};

@@ -21,8 +21,9 @@ namespace tools {
 struct ComparedResult {
   const FrameResult& run;
   const FrameResult* reference = nullptr;
-  PictureError error = {};  ///< of a frame; of several frames: the mean error and the largest error of a change
-  std::optional<double> worst_squared_error = {};  ///< of several frames: the largest error of a picture
+  PictureError error = {};  ///< error of a frame's picture; for several frames: mean error, and largest error of a
+                            ///< change
+  std::optional<double> worst_squared_error = {};  ///< error of the worst picture of several frames
 };
 
 /// Returns the JSON of one frame (an entry of `frames`) or of all frames (`totals`) of report.json.
@@ -53,7 +54,7 @@ double peak_rss_mib();
 /// samples.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
-/// Time, rays and frames of a run, by which efficiency figures divide its energy.
+/// Time, rays and frames of a run, by which efficiency metrics divide its energy.
 struct WorkDone {
   double time_ms = 0, rays = 0, frames = 0;
 };

@@ -214,8 +214,8 @@ struct PathCandidates {
   std::vector<std::string> group, several;
 };
 
-/// Returns ", did you mean 'x'?" for a mistyped report path, or an empty text. Candidates are the ends of those paths
-/// that start with `start`. A band (low, nominal, high) is also a candidate under its own name.
+/// Returns ", did you mean 'x'?" for a mistyped report path, or an empty text. Suggests the end of a path that starts
+/// with `start`. The path of a whole band (low, nominal, high) may also be suggested.
 std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;

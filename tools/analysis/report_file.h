@@ -56,13 +56,13 @@ struct ReportNumber {
 /// excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
-/// PSNR in dB with which pictures that are identical to their reference are ranked; a report has null. Conditions such
-/// as psnr_db>=36 thus hold for them.
+/// PSNR in dB that pictures identical to their reference count as; a report has null for them. They thus satisfy
+/// conditions such as psnr_db>=36.
 inline constexpr double kIdenticalPsnr = 100;
 /// Names in `totals` of all values of PSNR.
 inline constexpr std::array<const char*, 3> kPsnrNames = {"psnr_db", "worst_psnr_db", "temporal_psnr_db"};
-/// Sets each PSNR that is null in `report.json` to kIdenticalPsnr in `report.numbers`. The worst frame of a run of one
-/// frame is this frame.
+/// Sets each PSNR that is null in `report.json` to kIdenticalPsnr in `report.numbers`. In a run of one frame, also sets
+/// worst_psnr_db to that frame's PSNR.
 void rank_identical_pictures(ReportFile& report);
 
 /// Returns sums over all units of a kind: "units.core.tni.trv.counters.l1_hits" is the sum over all traversal units,

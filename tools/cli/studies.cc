@@ -270,7 +270,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-/// Simulates the replicates that the options request and adds their statistics to the reports. Also adds the figures at
+/// Simulates the replicates that the options request and adds their statistics to the reports. Also adds the metrics at
 /// the requested frame rate.
 void complete_reports(const CompareOptions& options, const std::vector<ReportFile*>& reports) {
   if (options.replicates > 1) {
@@ -288,8 +288,8 @@ void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) print_message("warning: {}", sim::printable(warning, 1000));
 }
 
-/// Reads the sets of runs to compare: each a folder that contains runs, or one of two lists of runs. Returns no sets if
-/// the options name single runs.
+/// Reads the sets of runs to compare. A set is a folder that contains runs, or one of two lists of runs. Returns no
+/// sets if the options name single runs.
 std::vector<RunSet> load_run_sets(const CompareOptions& options) {
   std::vector<RunSet> sets;
   const auto is_set = [](const std::string& path) { return is_run_set(path); };

@@ -62,7 +62,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::finished_share() const {
-  // share of the current part that is finished; 0 once the part is complete, because `part` then counts it
+  // Finished share of the current part. It is 0 once the part is complete, because `part` then counts it.
   const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;
   return (part + of_part) / parts;
 }
@@ -261,8 +261,7 @@ double Progress::traced_seconds() const {
   return state_.traced_seconds + (counts ? sim::seconds_since(part_since_) : 0);
 }
 
-/// Adds the time since the start of the job's current part, if any, to the job's tracing time. Afterwards no part is
-/// running.
+/// Ends the job's current part, if any: adds the time since its start to the job's tracing time.
 void Progress::stop_clock() {
   state_.traced_seconds = traced_seconds();
   part_since_ = {};

@@ -19,11 +19,11 @@ struct SmallPicture {
   bool empty() const { return rgb.empty(); }
 };
 
-/// Source of live figures and a picture of a running job. The thread that displays progress calls it.
+/// Source of live statistics and a picture of a running job. The thread that displays progress calls it.
 class View {
  public:
   virtual ~View() = default;
-  /// Returns live figures of the running job, one line of text each.
+  /// Returns live statistics of the running job, one line of text each.
   virtual std::vector<std::string> lines() = 0;
   /// Returns the picture rendered so far, scaled down to at most `width` x `height` pixels.
   virtual SmallPicture picture(std::size_t width, std::size_t height) = 0;
@@ -43,7 +43,7 @@ struct ProgressState {
   std::uint32_t part = 0, parts = 1;   ///< finished and total parts; a part is one frame of one frame program
   std::uint32_t tile = 0, tiles = 0;   ///< finished and total tiles of the current part
   std::uint64_t rays = 0, cycles = 0;  ///< rays and T&I cycles of all parts so far
-  std::uint32_t tile_before = 0;       ///< tiles already finished when the part began, in a job of one part
+  std::uint32_t tile_before = 0;       ///< tiles finished before this process began; only in a job of one part
   bool ended = false;
   double seconds = 0;         ///< seconds since the start of the job
   double busy_seconds = 0;    ///< seconds since the start of the first part

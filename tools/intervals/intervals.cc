@@ -308,7 +308,7 @@ class SeriesCollector {
   std::size_t at_ = 0;
 };
 
-/// Computes the figures of one frame over time, interval by interval.
+/// Computes the metrics of one frame over time, interval by interval.
 class Table {
  public:
   Table(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side)

@@ -108,16 +108,16 @@ class RunIntervals {
   std::vector<IntervalFrame> frames_;
 };
 
-/// A figure of a frame over time, such as a power or a hit rate.
+/// A metric of a frame over time, such as a power or a hit rate.
 struct IntervalSeries {
   std::string group;  ///< group, shown in one chart: "power", "bandwidth", "hit_rate", "utilisation", "stack.tni", ...
   std::string name;   ///< name within the group: "tni", "dram_read", "l1_miss"
   std::string unit;   ///< unit of the values: "W", "GB/s", "%"
-  /// Values of a figure, one per interval; NaN for the hit rate of an interval without accesses.
+  /// Values of the metric, one per interval; NaN for the hit rate of an interval without accesses.
   std::vector<double> values;
 };
 
-/// Figures of a frame over time, by group:
+/// Metrics of a frame over time, by group:
 ///
 /// - `power` (W, mean over the interval): blocks of the energy report, then `total`
 /// - `power_by_kind` (W): `dynamic`, `clock`, `leakage`, with the same sum
@@ -135,7 +135,7 @@ struct IntervalTable {
   const IntervalSeries* find(std::string_view group, std::string_view name) const;
 };
 
-/// Computes the figures of a frame over time. `side`: selects the low, nominal or high energies. Intervals are first
+/// Computes the metrics of a frame over time. `side`: selects the low, nominal or high energies. Intervals are first
 /// merged to at most `max_intervals`.
 ///
 /// The energy of an interval is the difference of the cumulative energies at its end and its start. These are computed

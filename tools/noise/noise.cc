@@ -15,7 +15,7 @@ namespace {
 struct Level {
   double pixels, time, energy, traffic;
 };
-// source: docs/noise.md; covers 95 % of pairs of runs of the scene whose figures vary most
+// source: docs/noise.md; covers 95 % of pairs of runs of the scene whose metrics vary most
 constexpr std::array kNoiseLevels = {
     Level{1024 * 512, 0.02, 0.02, 0.10},
     Level{512 * 256, 0.09, 0.05, 0.25},
@@ -37,7 +37,7 @@ constexpr std::array kTraffic = {"dram_bytes",
                                  "energy_by_block_mj.dma",
                                  "energy_by_block_mj.interconnect"};
 
-/// True if the path of a figure is in `names`, or is inside a group in `names`.
+/// True if the path of a metric is in `names`, or is inside a group in `names`.
 bool is_among(std::string_view figure, const auto& names) {
   return std::ranges::any_of(names, [&](std::string_view name) {
     return figure.starts_with(name) && (figure.size() == name.size() || figure[name.size()] == '.');

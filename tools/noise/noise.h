@@ -14,7 +14,7 @@ double student_t_quantile(double degrees, double share = 0.975);
 /// Returns the probability that a variable of Student's t distribution exceeds `t`.
 double student_t_tail(double t, double degrees);
 
-/// Statistics of repeated measurements (draws) of a figure.
+/// Statistics of repeated measurements (draws) of a metric.
 struct Draws {
   std::size_t count = 0;
   double mean = 0;
@@ -43,7 +43,7 @@ MeanDifference difference_of(const Draws& a, const Draws& b);
 /// Journal of Statistics 1979). `p_values`: one per hypothesis.
 std::vector<bool> reject_hypotheses(std::span<const double> p_values, double error);
 
-/// Figures in a report's `totals` that vary with the timing of tiles. A group includes all figures inside it. Energies
+/// Metrics in a report's `totals` that vary with the timing of tiles. A group includes all metrics inside it. Energies
 /// by event and cycles by kernel also vary, but no noise is stated for them.
 inline constexpr std::array kNoisyFigures = {
     "cycles",
@@ -68,29 +68,29 @@ inline constexpr std::array kNoisyFigures = {
     "relative.gpu_perf_per_watt",
 };
 
-/// Returns the noise to assume for a figure of `totals` without replicates (docs/noise.md): the half-width of the 95 %
-/// interval of the difference of two runs of one design, as a share of the figure.
+/// Returns the noise to assume for a metric of `totals` without replicates (docs/noise.md): the half-width of the 95 %
+/// interval of the difference of two runs of one design, as a share of the metric's value.
 double default_noise(double pixels, std::string_view figure);
 
-/// True for a figure of `totals` that varies with the timing of tiles, e.g. "energy_mj.nominal".
+/// True for a metric of `totals` that varies with the timing of tiles, e.g. "energy_mj.nominal".
 bool is_noisy(std::string_view figure);
 
-/// A figure measured for a design: the mean of replicates, or the value of one run.
+/// Value of a metric for a design: the mean of replicates, or the value of one run.
 struct MeasuredFigure {
   double value = 0;
   std::optional<Draws> draws{};  ///< statistics over replicates; empty for a single run
-  double assumed = 0;  ///< default_noise() of the figure if there are no replicates; 0: the figure does not vary
+  double assumed = 0;  ///< default_noise() of the metric if there are no replicates; 0: the metric does not vary
 
-  /// Returns the standard error of the figure's value.
+  /// Returns the standard error of the metric's value.
   double standard_error() const;
-  /// Returns the half-width of the 95 % interval of the figure's value.
+  /// Returns the half-width of the 95 % interval of the metric's value.
   double half_width() const;
 };
-/// Returns the difference b - a of two figures and its error; by Welch's test if both have replicates.
+/// Returns the difference b - a of two measured values and its error; by Welch's test if both have replicates.
 MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b);
 
-/// Returns the noise of a figure from its replicates. Like default_noise(), it is the half-width of the 95 % interval
-/// of the difference of two runs, as a share of the figure.
+/// Returns the noise of a metric from its replicates. Like default_noise(), it is the half-width of the 95 % interval
+/// of the difference of two runs, as a share of the metric's value.
 double replicate_noise(const Draws& draws);
 
 }  // namespace tools

@@ -11,20 +11,20 @@ namespace tools {
 
 inline constexpr std::uint64_t kEnergyDraws = 2000, kEnergySeed = 1;
 
-/// Block name that selects the energy of a whole frame period at frame.fps (PricedRun::period_energy_pj) instead of a
-/// block's.
+/// Block name that selects the energy of a whole frame period at frame.fps (PricedRun::period_energy_pj), not of one
+/// block.
 inline constexpr std::string_view kPeriod = "(period)";
 
-/// A figure of a report that is proportional to energy or to its inverse.
+/// A metric of a report that is proportional to energy or to its inverse.
 struct EnergyMetric {
   std::string block;     ///< kPeriod, or the name of a block; empty: all blocks
-  bool inverse = false;  ///< true: the figure is divided by energy, like frames per joule
+  bool inverse = false;  ///< true: the metric is divided by energy, like frames per joule
   bool is_better(double a, double b) const { return inverse ? a > b : a < b; }
 };
-/// Returns how the figure at a report path depends on energy. Accepts totals.energy_mj.nominal, other energies and
-/// powers, and figures of totals.perf that contain joules; returns nullopt for other paths.
+/// Returns how the metric at a report path depends on energy. Accepts totals.energy_mj.nominal, other energies and
+/// powers, and values of totals.perf that contain joules; returns nullopt for other paths.
 std::optional<EnergyMetric> energy_metric(std::string_view path);
-/// List of the figures that energy_metric() accepts, for error messages.
+/// List of the metrics that energy_metric() accepts, for error messages.
 inline constexpr std::string_view kEnergyMetrics =
     "energy_mj.nominal, power_w.nominal, power_at_fps_w.nominal, nj_per_ray, frames_per_joule_gpu, "
     "frames_per_joule_tni, "
@@ -65,7 +65,7 @@ std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs);
 void set_single_entry(PricedRun& run, const std::string& entry, double quantile);
 /// Returns the energy in pJ of a block under the low or high energy tables; an empty name means all blocks.
 double band_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember member);
-/// Returns the energy in pJ of a block under the current nominal figures; an empty name means all blocks.
+/// Returns the energy in pJ of a block under the current nominal values; an empty name means all blocks.
 double nominal_energy_pj(const PricedRun& run, const std::string& block);
 
 }  // namespace tools

@@ -49,7 +49,7 @@ void add_figure(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, 
 
 void collect_entries(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
   for (const sim::ConfigNode& node : group.children) {
-    // area tables and power settings contain no energy figures
+    // Area tables and power settings contain no energies.
     if (node.path == "area" || node.path == "power") continue;
     if (node.is_group()) {
       collect_entries(node, entries);

@@ -13,22 +13,22 @@
 
 namespace tools {
 
-/// An entry of the energy tables in a configuration: a figure, or a curve of figures over size.
+/// An entry of the energy tables in a configuration: a value, or a curve of values over size.
 struct EnergyEntry {
   std::string name;  ///< name of the entry: "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
   std::string meaning;  ///< description of the entry's configuration key
   std::uint64_t hash = 0;
-  /// A number in an entry of the energy tables, and its band before any random draw.
+  /// One value in an entry of the energy tables, and its band before any random draw.
   struct Figure {
     std::string name;  ///< name of the entry, for a curve with the size: "energy.events.cache.l1_read@16KiB"
     sim::Band* value;
     sim::Band band;
   };
-  std::vector<Figure> figures;  ///< the points of the curve, or the only figure
+  std::vector<Figure> figures;  ///< the points of the curve, or the only value
 
   bool has_band() const;
-  /// Sets the nominal value of each figure to a quantile of its band.
+  /// Sets the nominal value of each point of the entry to a quantile of its band.
   void set_quantile(double quantile);
   void restore_nominal();
 };
@@ -37,7 +37,7 @@ struct EnergyEntry {
 /// keys. `config` must outlive them.
 std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
-/// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Values between them are
+/// Returns the value at a quantile of its band: low at 0, nominal at 1/2, high at 1. Values between them are
 /// interpolated in the logarithm, or linearly if low is 0.
 double value_at_quantile(const sim::Band& band, double quantile);
 
@@ -77,13 +77,13 @@ class PricedRun {
 
   /// Returns the energy table entries that have a band: a low, a nominal and a high value.
   std::vector<EnergyEntry>& band_entries() { return entries_; }
-  /// Sets the nominal energy figures to those of a random draw; restore_nominal() undoes it.
+  /// Sets the nominal energy values to those of a random draw; restore_nominal() undoes it.
   void apply_draw(const EnergyDraw& draw);
   void restore_nominal();
   /// Recomputes the energy formula; call it after changing band_entries() directly.
   void update_formula();
 
-  /// Returns the run's energy in pJ under the low, nominal or high figures.
+  /// Returns the run's energy in pJ under the low, nominal or high values.
   double total(sim::BandMember side) const { return formula_->total_pj(side); }
   double block_energy_pj(const std::string& block, sim::BandMember side) const;
   /// Returns the mean energy in pJ of a frame period at the target rate frame.fps (above 0): a frame and the idle time

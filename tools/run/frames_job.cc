@@ -237,7 +237,7 @@ class LiveRun final : public View, public RunWatcher {
 /// Simulates the frames. Throws Interrupted if an interrupt left fewer than `min_frames_to_replace` finished frames.
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t min_frames_to_replace,
                            Progress& progress) {
-  const HoldInterrupts hold;  // because results exist before their folder does
+  const HoldInterrupts hold;  // delayed, because results exist before their folder does
   try {
     RunResult result = run(frames, options);
     if (result.partial && result.frames.size() < min_frames_to_replace) throw Interrupted();

@@ -85,7 +85,7 @@ std::string rays_table(const Json& report) {
   return out;
 }
 
-/// Returns the report of a run of a ray file, from the rays that machine `played` has finished.
+/// Returns the report of the simulation of a ray file. It covers the rays that the machine `played` has finished.
 Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.unit_reports();
   const sim::EnergyReport energy =

@@ -50,7 +50,7 @@ RunPlan make_plan(const JobOptions& options);
 struct RunResult {
   std::optional<FrameResult> total, reference;
   double squared_error = 0;                 ///< mean squared error of the picture, summed over all frames
-  double worst_squared_error = 0;           ///< of the frame with the largest
+  double worst_squared_error = 0;           ///< error of the picture of the worst frame
   std::optional<double> worst_change = {};  ///< largest PictureError::change of a frame; none without a second frame
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
@@ -60,7 +60,7 @@ struct RunResult {
   /// Costs of each tile of the program and of the reference, for frames simulated with RunOptions::itemised.
   TileTable tiles, reference_tiles;
 
-  /// Adds the result of a frame and of its reference frame, if any. `error`: of the frame's picture.
+  /// Adds the result of a frame and of its reference frame, if any. `error`: error of the frame's picture.
   void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, const PictureError& error,
            const sim::Intervals* over_time = nullptr);
   ComparedResult report_totals() const;

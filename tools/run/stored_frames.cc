@@ -20,7 +20,7 @@ namespace {
 
 using Part = traces::TraceReader::Part;
 
-constexpr double kLargestSquaredError = 4;  ///< of changes that are opposite in every channel
+constexpr double kLargestSquaredError = 4;  ///< mean squared error of changes that are opposite in every channel
 
 std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   std::vector<traces::KernelId> ids;

@@ -16,7 +16,8 @@ class StoredFrames final : public FrameSource {
  public:
   /// Throws InputError if the trace cannot be read or does not fit the configuration.
   StoredFrames(const std::filesystem::path& file, const JobOptions& options);
-  /// Opens a trace for a complete configuration instead of options, with `replicates` simulations of each frame.
+  /// Opens a trace and simulates each frame `replicates` times. Takes a complete configuration, not command-line
+  /// options.
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
                std::uint32_t replicates);
 
@@ -56,7 +57,7 @@ class StoredFrames final : public FrameSource {
   std::optional<kernels::ProgramSpec> reference_;
   const std::uint32_t threads_, replicates_;
   std::size_t index_ = 0;                  ///< index of the current frame in the trace
-  PictureError error_;                     ///< of the current frame's picture
+  PictureError error_;                     ///< error of the current frame's picture
   std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace
   std::optional<std::size_t> tree_;        ///< index of the loaded BVH in the trace; none before the first frame
   traces::TileScope scope_;

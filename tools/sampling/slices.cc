@@ -210,7 +210,7 @@ struct SlicedProgram {
 /// (docs/slices.md).
 constexpr double kBorderError = 4;
 
-/// Work that a machine has done, in quantities that rendering counts, too: traversal steps and rays.
+/// Work of a machine in quantities that rendering also counts: traversal steps and rays.
 struct Work {
   double steps = 0, rays = 0;
   explicit Work(std::span<const sim::UnitReport> reports) {

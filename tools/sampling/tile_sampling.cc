@@ -289,7 +289,7 @@ Estimates exact_estimates(const SampledRun& run) {
   return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}};
 }
 
-/// Returns an estimate with its 95 % interval, from the values `seen` in the measured parts of blocks.
+/// Returns `estimate` with its 95 % interval, computed from the values `seen` in the measured parts of blocks.
 Interval interval_around(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }

@@ -13,13 +13,13 @@
 namespace tools {
 namespace {
 
-/// Rectangle of the picture that a tile renders, and the sum of the shown figure over all passes of the frame.
+/// Rectangle of the picture that a tile renders, and a metric's sum over all passes of the frame.
 struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;
 };
 
-/// Returns the sum of a figure over all passes for each area of the picture. A tile in a later pass counts for the area
+/// Returns the sum of a metric over all passes for each area of the picture. A tile in a later pass counts for the area
 /// of the same tile in the first pass.
 std::vector<Area> sum_by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };

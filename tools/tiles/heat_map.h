@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// Heat map of one figure, with a value for each pixel of the picture.
+/// Heat map of one metric, with a value for each pixel of the picture.
 struct HeatMap {
   std::string name;   ///< name in the file name: "steps"
   std::string title;  ///< title above the map: "Traversal steps of a pixel"

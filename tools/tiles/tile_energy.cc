@@ -39,8 +39,8 @@ TileTimeShares tile_time_shares(std::span<const hw::TileAccount> tiles, sim::Tim
   std::ranges::stable_sort(events, {}, &Event::at);
   TileTimeShares shares{std::vector<double>(tiles.size()), 0};
   const auto whole = static_cast<double>(elapsed);
-  // Share of time that a tile in flight since the start of the frame would have. A tile's own share is the difference
-  // of two such values.
+  // Share of time of an imaginary tile that is in flight from the start of the frame. A tile's own share is the value
+  // at its end minus the value at its dispatch.
   double reached = 0;
   sim::Time now = 0;
   std::size_t present = 0;
@@ -353,7 +353,7 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
 
 namespace {
 
-// must be the factor of reports, so that figures are equal to the last bit
+// must be the factor of reports, so that energies are equal to the last bit
 constexpr double kMillijoulesPerPicojoule = 1e-9;
 
 /// Returns the number that gives exactly `whole` when it is added to `sum`, in spite of rounding.
@@ -380,7 +380,7 @@ class Builder {
   }
 
  private:
-  /// Adds a column to the table; `value(i)` returns the figure of tile i.
+  /// Adds a column to the table; `value(i)` returns the value of tile i.
   TileColumn& add(std::string name, std::string unit, auto&& value) {
     TileColumn& column = frame_.columns.emplace_back(TileColumn{std::move(name), std::move(unit)});
     column.values.reserve(s_.tile_accounts.size());

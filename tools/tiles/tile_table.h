@@ -10,16 +10,16 @@
 
 namespace tools {
 
-/// A column of a frame's tile table: one figure for all tiles.
+/// A column of a frame's tile table: one value for each tile.
 struct TileColumn {
   std::string name, unit;
-  bool is_sum = false;  ///< true: the frame's figure is exactly the sum of all values, in order, plus `rest`
+  bool is_sum = false;              ///< true: the frame's total is exactly the sum of all values, in order, plus `rest`
   std::vector<double> values = {};  ///< one per tile; whole numbers are exact
-  double rest = 0;                  ///< part of the frame's figure that belongs to no tile
+  double rest = 0;                  ///< part of the frame's total that belongs to no tile
   double total = 0;
 };
 
-/// Figures of a frame's tiles, one row per entry of its tile list: a tile, or a tile in one of several passes.
+/// Table of a frame's tiles, one row per entry of its tile list: a tile, or a tile in one of several passes.
 struct TileFrame {
   std::uint32_t frame = 0;
   std::vector<TileColumn> columns;
@@ -35,7 +35,7 @@ struct TileTable {
 };
 
 inline constexpr std::string_view kTilesFile = "tiles.json";
-/// The same of the reference, next to that of the run.
+/// Name of the reference program's tiles.json, which is in the run's folder.
 inline constexpr std::string_view kReferenceTiles = "reference-tiles.json";
 
 /// Returns the text of tiles.json; equal tables give equal bytes.

@@ -51,7 +51,8 @@ struct BankHarness {
   sim::Link<Flush> flush;
 };
 
-inline constexpr std::uint64_t kHit = 1 + 12 + 1;               // wire, hit_cycles, wire
-inline constexpr std::uint64_t kMiss = 1 + 4 + 1 + 50 + 1 + 1;  // wire, lookup, wire, memory, fill, wire
+inline constexpr std::uint64_t kHit = 1 + 12 + 1;               // Cycles of an L2 hit: wire, hit_cycles, wire.
+inline constexpr std::uint64_t kMiss = 1 + 4 + 1 + 50 + 1 + 1;  // Cycles of an L2 miss: wire, lookup, wire, memory,
+                                                                // fill, wire.
 
 }  // namespace hw::test

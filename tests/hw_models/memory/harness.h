@@ -154,7 +154,7 @@ class Harness {
 
   std::vector<sim::UnitReport> reports() const { return machine_.report(); }
 
-  /// Returns all results as text; runs in different engine modes must be equal.
+  /// Returns all results of a run as text. Runs in different engine modes must return equal texts.
   std::string everything(sim::Time end) const {
     std::string all = "end " + std::to_string(end) + "\n";
     for (const sim::UnitReport& r : reports()) {

@@ -30,7 +30,7 @@ inline TileWork tile_of(WorkNode::Kind kind, std::uint32_t items, const std::vec
   return work;
 }
 
-/// Returns `count` triangles like `like` that share vertices. Each has its own cache line.
+/// Returns `count` copies of the triangle `like`. They share its vertices, but each has its own cache line.
 inline std::vector<RasterTriangle> triangles(std::uint32_t count, const RasterTriangle& like) {
   std::vector<RasterTriangle> all(count, like);
   for (std::uint32_t i = 0; i < count; ++i) all[i].number = 16 * i;

@@ -38,8 +38,8 @@ class SrpHarness {
   };
   /// Base addresses of picture, samples, rates and spilled slots.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
-  /// Cycles of a switch to a kernel that is resident, and to one of initiation interval `ii` that must be loaded. A row
-  /// is 16 words of 8 bytes by default; 64 bytes are loaded per cycle.
+  /// Cycles of a switch to a kernel that is resident, and to a kernel of initiation interval `ii` that must be loaded.
+  /// Its configuration has `ii` rows of 16 words of 8 bytes by default; 64 bytes are loaded per cycle.
   static constexpr std::uint64_t kResident = 8;
   static constexpr std::uint64_t cold(std::uint64_t ii) { return kResident + 2 * ii; }
 
@@ -53,9 +53,10 @@ class SrpHarness {
 
   SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels);
 
-  /// Adds a tile to dispatch. `missing`: bit mask of its imported borders that are not yet available then.
+  /// Adds a tile to dispatch. `missing`: bit mask of its imported borders that are not yet available at its dispatch.
   SrpHarness& add(traces::TileWork work, std::uint32_t missing = 0);
-  /// Makes an update arrive in this cycle, with the borders that the tile added as number `tile` still misses.
+  /// Makes an update of missing borders arrive in cycle `cycle`. `missing`: borders that tile number `tile` still
+  /// misses.
   SrpHarness& tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing);
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {

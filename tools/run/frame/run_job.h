@@ -96,7 +96,8 @@ struct SampledFrame {
 /// slices.
 struct SlicedFrame {
   std::uint32_t slices = 1;
-  /// Numbers of tiles: of the frame; simulated again to fill the machine of a slice; that only warm caches.
+  /// Number of tiles of the frame, of tiles simulated again to fill a slice's machine, and of tiles that only warm
+  /// caches.
   std::uint64_t tiles = 0, again = 0, warmed = 0;
   Interval cycles, energy_pj;
   std::vector<double> seconds;  ///< host CPU seconds of each slice's thread

@@ -10,7 +10,8 @@ namespace tools {
 ///
 /// A decision extrapolates the body's temperature over the time `lookahead`, at its rate of change since the last
 /// decision:
-/// 1. The die is above its limit and has not cooled since, or the body would pass its limit: one step slower.
+/// 1. The die is above its limit and has not cooled since that decision, or the body would pass its limit: one step
+/// slower.
 /// 2. Else, both would stay at least `hysteresis` below their limits: one step faster.
 /// 3. Else: the same clock.
 class ThermalGovernor {
