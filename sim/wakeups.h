@@ -85,8 +85,8 @@ class WakeupTable {
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// Ticks the units in a range of groups that are due at `now`, the earliest wake-up time of the range. Returns the
-  /// next earliest wake-up time of the range.
+  /// Ticks the units in a range of groups that are due at `now`, the earliest wake-up time of the range. Afterwards
+  /// returns the new earliest wake-up time of the range.
   template <class Tick>
   Time tick_due(Groups groups, Time now, Tick&& tick) {
     for (std::size_t g = groups.first; g < groups.end; ++g) {

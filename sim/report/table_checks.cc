@@ -93,7 +93,7 @@ struct Array {
   std::uint64_t bytes, least, most;
   auto operator<=>(const Array&) const = default;
 };
-/// For each memory array whose size is outside its energy or area curve, the names of the table entries.
+/// Memory arrays whose size is outside their energy or area curve, each with the names of its table entries.
 using Outside = std::map<Array, std::set<std::string>>;
 
 void add_if_outside(const EnergyTable& table, const std::string& entry, const UnitReport& unit, Outside& outside) {

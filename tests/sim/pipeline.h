@@ -174,7 +174,7 @@ class Pipeline {
 class ApartPipeline : public Pipeline {
  public:
   using Pipeline::Pipeline;
-  /// Disables running ahead near the end, where the run could finish.
+  /// Forbids partitions to run ahead near the end, where the run could finish.
   RunLimits run_limits(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
     const Time end = ends_soon ? now : now + machine_.min_lookahead();

@@ -8,7 +8,8 @@ namespace test {
 /// Returns the root of the source tree.
 std::filesystem::path repository();
 
-/// Returns all files of the source tree, sorted and relative to its root. Without hidden folders, builds and results.
+/// Returns the sorted paths of all files of the source tree, relative to its root. Leaves out hidden folders, builds
+/// and results.
 std::vector<std::filesystem::path> repository_files();
 
 /// Returns all C++ source files and headers of the source tree.

@@ -68,7 +68,8 @@ sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& wo
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 
-/// Purposes of kernels whose time papers report separately. Checks include the compaction of results into streams.
+/// Purposes of kernels; papers report the time of each separately. Checks include the compaction of results into
+/// streams.
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
 /// Returns the share of the shader cores' busy cycles spent in kernels of a group; nullopt if they were never busy.

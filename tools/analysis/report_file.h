@@ -56,8 +56,8 @@ struct ReportNumber {
 /// excessive nesting.
 std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
-/// PSNR in dB that pictures identical to their reference count as; a report has null for them. They thus satisfy
-/// conditions such as psnr_db>=36.
+/// PSNR in dB that is assumed for a picture identical to its reference, for which a report has null. Such a picture
+/// thus satisfies conditions such as psnr_db>=36.
 inline constexpr double kIdenticalPsnr = 100;
 /// Names in `totals` of all values of PSNR.
 inline constexpr std::array<const char*, 3> kPsnrNames = {"psnr_db", "worst_psnr_db", "temporal_psnr_db"};

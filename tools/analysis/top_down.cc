@@ -429,9 +429,9 @@ double overlap_exponent(const Stages& stages, double time) {
   return low;
 }
 
-/// Returns the fraction of the T&I unit's time with free ray slots that would remain with ideal shader cores. The time
-/// at the ends of tiles always remains. The more time launches wait for ray slots of the tile buffer, the larger the
-/// fraction.
+/// Returns which fraction of the T&I unit's time with free ray slots would remain with ideal shader cores. The time at
+/// the ends of tiles always remains. The fraction grows with the time for which launches wait for ray slots of the tile
+/// buffer.
 double remaining_free_slot_share(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
@@ -446,7 +446,7 @@ double remaining_queue_ratio(double busy, double gone) {
   return left / (1 - left) / (r / (1 - r));
 }
 
-/// Lower bounds of the frame time from the work of one resource if all others are ideal.
+/// Lower bounds of the frame time. Each is the time of one resource's work if all other resources are ideal.
 struct Least {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };

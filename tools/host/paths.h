@@ -24,7 +24,7 @@ std::optional<std::filesystem::path> find_workload(const std::string& argument);
 /// Returns the names of all workloads, sorted.
 std::vector<std::string> workload_names();
 
-/// Returns the file of a sweep or search: a path if `argument` contains '/', ends in .yaml or exists, else
+/// Returns the file of a sweep or search: `argument` itself if it contains '/', ends in .yaml or exists, else
 /// `folder`/NAME.yaml in config_folders(). Throws InputError with the nearest name if there is none.
 std::filesystem::path find_experiment(const std::filesystem::path& argument, const std::string& folder = "experiments");
 

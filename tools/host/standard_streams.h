@@ -24,7 +24,8 @@ void ignore_write_signals();
 /// Flushes standard output. Throws std::system_error if any write failed.
 void flush_output();
 
-/// Replaces non-ASCII signs ("±" by "+-") unless LC_ALL, LC_CTYPE or LANG, the first that is set, names UTF-8.
+/// Replaces non-ASCII signs ("±" by "+-") unless the terminal uses UTF-8 according to the first of LC_ALL, LC_CTYPE and
+/// LANG that is set.
 std::string to_terminal_encoding(std::string text);
 
 /// Prints "raywatt: TEXT" to standard error. Ignores errors.

@@ -11,7 +11,8 @@
 namespace tools {
 namespace {
 
-/// Assumed relative noise of frames with at least `pixels` pixels: of times and rates, of energies, of memory traffic.
+/// Relative noise to assume for frames of at least `pixels` pixels, separately for times and rates, for energies, and
+/// for memory traffic.
 struct Level {
   double pixels, time, energy, traffic;
 };

@@ -57,7 +57,8 @@ struct RunResult {
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
   std::string missing;  ///< what an interrupt left out, for a message: "its replicates"
-  /// Costs of each tile of the program and of the reference, for frames simulated with RunOptions::itemised.
+  /// Costs of each tile, rendered with the program and with the reference program. Only for frames simulated with
+  /// RunOptions::itemised.
   TileTable tiles, reference_tiles;
 
   /// Adds the result of a frame and of its reference frame, if any. `error`: error of the frame's picture.
@@ -71,8 +72,8 @@ struct RunResult {
   std::string finished_part_text(std::size_t all) const;
 };
 
-/// Returns how many finished frames an interrupted run needs to replace an earlier result: as many as a partial result
-/// has, one more than a complete result has, or 1 if there is none. `file`: report.json or verify.json.
+/// Returns how many frames an interrupted run must have finished to replace an earlier result. If that is partial: as
+/// many as it has. If it is complete: one more than it has. If there is none: 1. `file`: report.json or verify.json.
 std::size_t min_frames_to_replace(const std::filesystem::path& file);
 
 /// Prints the `warnings` of a report to stderr. Skips the first `already_printed` warnings, because they were printed

@@ -18,7 +18,7 @@ namespace {
 /// The pilot render traces one sample per square of samples. The square's side is the first of these numbers that
 /// divides the side of a tile.
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
-/// Candidate sides of the square of samples that estimate_costs() represents by one sample. The estimate needs less
+/// Possible sides of the squares of samples in which estimate_costs() traces one sample. The estimate needs less
 /// precision than the pilot render.
 constexpr std::array kEstimateSides = {8U, 4U, 5U, 3U, 2U, 1U};
 /// Host time of a reflected or refracted ray in addition to its traversal, divided by the host time of a traversal step

@@ -161,8 +161,8 @@ class SliceSimulator {
   const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
 };
 
-/// Length of an automatically sized slice, as a multiple of the length of its lead. Leads then cost less than a tenth
-/// of the time, in small frames up to 15 %.
+/// Length of an automatically sized slice, as a multiple of the length of its lead (tiles that only fill the machine).
+/// Leads then cost less than a tenth of the time, in small frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
 
 /// Simulates all slices, `threads` at a time. Threads in excess of the number of slices render ahead.

@@ -38,8 +38,8 @@ class TimedTiles final : public hw::TileSource {
     sim::Time begin = 0, end = 0;  ///< time of dispatch; time of completion, or of the first dispatch after it
   };
 
-  /// `blocks` must be in tile order and must not overlap. `marked`: tiles at whose dispatch the machine's counters are
-  /// recorded, in order. The machine stops at the dispatch of tile `stop_at`.
+  /// `blocks` must be in tile order and must not overlap. `marked`: tiles, in ascending order, at whose dispatch the
+  /// machine's counters are recorded. The machine stops at the dispatch of tile `stop_at`.
   TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
              std::optional<std::uint32_t> stop_at = std::nullopt);
   /// Sets the machine that receives the tiles; call it before the machine runs.

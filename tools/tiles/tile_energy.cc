@@ -122,7 +122,8 @@ Rule make_rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
   return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
 }
 
-/// Rules for counters whose energy is shared by another kind of work than that of most counters of their unit.
+/// Rules for counters whose energy is shared by another kind of work than default_kind_of_work() returns for their
+/// unit.
 const std::vector<Rule>& special_rules() {
   using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
   static const std::vector<Rule> all = {
@@ -237,7 +238,7 @@ class TileWeights {
     set(kDramWrites, account.dram_writes);
     set(kActivates, account.activates);
   }
-  /// Adds to each tile's amounts of work: the operations of its kernels, and the accesses to the tile buffer by
+  /// Adds work to the tiles' weights: the operations of each tile's kernels, and the accesses to the tile buffer by
   /// kernels, rays, hits and transfers.
   void add_kernels(const FrameResult& s) {
     constexpr double kAccess = 16;          // bytes per access to the tile buffer

@@ -246,7 +246,7 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotSelected = std::numeric_limits<std::uint32_t>::max();
 
-/// Returns for each timeline slice the rank (position in the selection) of the first selected tile during which the
+/// Returns a rank for each timeline slice: the position in the selection of the first selected tile during which the
 /// slice occurs, or kNotSelected.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {

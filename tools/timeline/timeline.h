@@ -37,7 +37,7 @@ struct RecordedSlice {
 /// Activity of L2 and memory in one bin of time.
 struct MemoryBin {
   std::uint64_t l2_hits = 0, l2_misses = 0;
-  /// Lines that the memory has read and written, counted when their data end.
+  /// Lines that the memory has read and written, counted at the end of each transfer.
   std::uint64_t lines_read = 0, lines_written = 0;
 };
 

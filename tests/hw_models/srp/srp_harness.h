@@ -39,7 +39,7 @@ class SrpHarness {
   /// Base addresses of picture, samples, rates and spilled slots.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
   /// Cycles of a switch to a kernel that is resident, and to a kernel of initiation interval `ii` that must be loaded.
-  /// Its configuration has `ii` rows of 16 words of 8 bytes by default; 64 bytes are loaded per cycle.
+  /// The latter kernel's configuration has `ii` rows, by default of 16 words of 8 bytes; 64 bytes are loaded per cycle.
   static constexpr std::uint64_t kResident = 8;
   static constexpr std::uint64_t cold(std::uint64_t ii) { return kResident + 2 * ii; }
 
@@ -70,7 +70,7 @@ class SrpHarness {
   bool done() const { return tiles_done_.size() == works_.size(); }
 
   const Srp& srp() const { return *srp_; }
-  /// Returns the cycles for which kernel `k` occupied the array, including switches and stalls.
+  /// Returns the cycles for which kernel `k` occupied the shader core's array, including switches and stalls.
   std::uint64_t cycles(std::size_t k) const { return srp_->kernel_use()[k].cycles; }
   std::uint64_t spent(Srp::CycleReason why) const { return clock_.cycles(srp_->activity().spent(why)); }
   std::uint64_t elapsed() const { return clock_.cycles(end_); }

@@ -8,7 +8,7 @@
 
 namespace test {
 
-/// Optional fields of a compressed block. The reader must refuse blocks without them.
+/// Fields of a compressed block that a test can leave out. The reader must then refuse the block.
 struct Form {
   bool checksum = true, size = true;
 };

@@ -23,8 +23,8 @@ struct SustainFrame {
   double idle_clock_w = 0;  ///< power of the clock of the idle chip between frames in W
 };
 
-/// Returns the time and energies of a simulated frame, in the form that sustain() needs. `config`, `units`: of the
-/// machine that simulated it.
+/// Returns the time and energies of a simulated frame, in the form that sustain() needs. `config`, `units`:
+/// configuration and units of the machine that simulated the frame.
 SustainFrame sustain_frame(const RunConfig& config, const sim::EnergyReport& energy,
                            std::span<const sim::UnitReport> units, sim::Time elapsed);
 
