@@ -356,7 +356,7 @@ void add_compare_command(CLI::App& app) {
       ->required()
       ->expected(1, 100)
       ->type_name("RUN RUN...");
-  verb->add_option("--with", options->with, "runs of the second set, to compare with RUN... as the first")
+  verb->add_option("--with", options->with, "runs of the second set; the positional RUN... are the first set")
       ->expected(1, 100)
       ->type_name("RUN...");
   verb->add_option(
