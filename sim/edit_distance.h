@@ -31,8 +31,8 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 /// Returns the first 64 bytes of a word. The limit bounds the time of edit_distance() for untrusted words.
 constexpr std::string_view comparison_prefix(std::string_view word) { return word.substr(0, 64); }
 
-/// Returns the candidate with the smallest edit distance to a word, the first among equals. Returns the end of
-/// `candidates` if none is within `max_edits` edits.
+/// Returns the element of `candidates` with the smallest edit distance to a word, the first among equals. Returns the
+/// end of `candidates` if no element is within `max_edits` edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
 auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t max_edits, Name name_of = {}) {
   auto found = std::ranges::end(candidates);

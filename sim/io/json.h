@@ -179,7 +179,8 @@ class Json {
   Json& back();
   const Json& back() const;
 
-  /// Returns the entries of a JSON object in order; empty for null. The caller must not change the keys.
+  /// Returns the entries of a JSON object in the order in which their keys were added; empty for null. The caller must
+  /// not change the keys.
   std::span<Entry> items();
   std::span<const Entry> items() const;
   bool contains(std::string_view key) const;

@@ -112,7 +112,7 @@ TniActivity tni_activity(const Trvs& trvs, const Ists& ist) {
           safe_ratio(misses_of(trvs), there) + at_ist * safe_ratio(misses_of(ist), leaves)};
 }
 
-/// Returns the mean number of misses in flight: the sum of their latencies over elapsed time.
+/// Returns the mean number of misses in flight: the sum of their latencies divided by the elapsed time.
 template <class Unit>
 double mean_misses_in_flight(const Units<Unit>& units) {
   return safe_ratio(units.sum_of(&Unit::Stats::l1_miss_cycles), units.elapsed());
@@ -494,8 +494,8 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
   const double all = std::max({least.memory, least.lines, least.wires});
 
-  // Returns the combined time of the stages and of the rasteriser's misses after a part of the miss latencies is
-  // removed.
+  // `part` returns a share of a miss latency. The two functions return times without this share: without() that of the
+  // combined stages, raster_without() that of the rasteriser's misses.
   using Part = double (*)(const MissLevels&);
   const auto without = [&](Part part, double spills) {
     return combined_time(

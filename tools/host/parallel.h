@@ -32,9 +32,9 @@ void run_on_threads(std::size_t count, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Calls work(i, thread) for each i below `count`, started in order on at most `threads` threads (0 counts as 1),
-/// numbered from 0. No call starts after a failure. Rethrows the exception of the lowest i that failed, for any number
-/// of threads.
+/// Calls work(i, thread) for each i below `count`, started in ascending order of i on at most `threads` threads (0
+/// counts as 1), numbered from 0. No call starts after a failure. Rethrows the exception of the lowest i that failed,
+/// for any number of threads.
 template <typename Work>
 void parallel_for(std::size_t count, std::size_t threads, Work&& work) {
   std::atomic<std::size_t> next = 0;

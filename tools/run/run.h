@@ -97,7 +97,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
 void print_reference_location(const std::filesystem::path& folder);
 
 /// Source of the frames of a run: rendered from a scene, read from a trace, or joined from slices. Frames are visited
-/// in order.
+/// in ascending order.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -112,7 +112,7 @@ class FrameSource {
   /// Simulates the current frame with the run's program; simulate_reference() does so with the reference program.
   virtual FrameResult simulate(const SimulateOptions& extras) = 0;
   virtual FrameResult simulate_reference(const SimulateOptions& extras) = 0;
-  /// Returns the error of the current frame's picture. Called once per frame, in order.
+  /// Returns the error of the current frame's picture. Called once per frame, in the order of the frames.
   virtual PictureError compare_pictures(const FrameResult& frame, const FrameResult& reference) = 0;
   /// Advances to the next frame; false after the last.
   virtual bool advance_frame() = 0;

@@ -196,10 +196,10 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
   return {values.data(), static_cast<Index>(values.size())};
 }
 
-/// Traits of the sampled parts and of the whole frame, divided by their sizes and standardised over the parts. Traits
-/// that are equal in all parts become 0.
+/// Traits of the measured blocks of tiles and of the whole frame, divided by their sizes and standardised over the
+/// blocks. Traits that are equal in all blocks become 0.
 struct Traits {
-  Eigen::MatrixXd parts;  ///< one row per part
+  Eigen::MatrixXd parts;  ///< one row per measured block
   Eigen::VectorXd whole;
 };
 

@@ -46,7 +46,8 @@ struct SamplePart {
   std::vector<double> traits;
 };
 
-/// Estimates totals of a whole from parts drawn with probability proportional to size.
+/// Estimates totals of a whole (a frame) from some of its parts (blocks of tiles), which were drawn with probability
+/// proportional to size.
 ///
 /// 1. The rate (quantity per size) is modelled as linear in the traits per size, fitted by ridge regression and
 /// evaluated at the whole's traits: a calibration estimator (Deville and Särndal, JASA 1992).

@@ -13,7 +13,8 @@ namespace tools {
 /// A column of a frame's tile table: one value for each tile.
 struct TileColumn {
   std::string name, unit;
-  bool is_sum = false;              ///< true: the frame's total is exactly the sum of all values, in order, plus `rest`
+  bool is_sum = false;              ///< true: the frame's total is exactly the sum of all values, in row order, plus
+                                    ///< `rest`
   std::vector<double> values = {};  ///< one per tile; whole numbers are exact
   double rest = 0;                  ///< part of the frame's total that belongs to no tile
   double total = 0;

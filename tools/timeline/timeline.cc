@@ -278,7 +278,8 @@ class SliceWriter {
  public:
   SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
 
-  /// Calls add(time, write) for each event of a timeline slice in order; write(packets) adds the event to the trace.
+  /// Calls add(time, write) for each event of a timeline slice in order of time; write(packets) adds the event to the
+  /// trace.
   void for_each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
     const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end_slice(time, track); };
     add(slice.begin, [=, this](TracePackets& to, std::uint64_t time) { write_begin(slice, track, to, time); });

@@ -59,7 +59,7 @@ struct DramHarness {
   sim::Time end = 0;
 };
 
-/// Timing of the default device, and formulas for its latencies.
+/// Timing of the default DRAM device, and closed forms of its latencies.
 inline const DramTiming kT;
 inline const DramClosedForms kForm{DramHarness::quiet()};
 

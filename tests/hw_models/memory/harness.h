@@ -19,7 +19,8 @@ namespace hw::test {
 
 inline const sim::Clock kClock(2'000'000);
 
-/// Test client that sends memory requests in order, each at its cycle or later, and records when each is answered.
+/// Test client that sends a list of memory requests, each after the previous one and at its cycle or later. Records
+/// when each is answered.
 class Requester {
  public:
   struct Sent {

@@ -54,8 +54,8 @@ struct RenderResult {
 class FrontEnd final : public hw::TileSource {
  public:
   /// `workers`: threads in addition to the caller's; 0: next() executes tiles. `record`: also record the work for a
-  /// machine. `tile_indices`: entries of the tile list to execute, in order, for a program of one pass; empty: all.
-  /// `itemised`: keep the costs of each tile and pixel.
+  /// machine. `tile_indices`: entries of the tile list to execute, in this order, for a program of one pass; empty:
+  /// all. `itemised`: keep the costs of each tile and pixel.
   FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true,
            std::vector<std::uint32_t> tile_indices = {}, bool itemised = false);
   ~FrontEnd() override;
@@ -103,7 +103,7 @@ class FrontEnd final : public hw::TileSource {
   RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
-  std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles executed ahead: in execution or finished, in order
+  std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles executed ahead: in execution or finished, in tile order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< tiles that the machine holds
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned

@@ -27,7 +27,7 @@ namespace tools {
 
 struct RunConfig;
 
-/// Table of the hit latency of caches over their size: the contents of a file in configs/latency.
+/// Table of the hit latency of caches as a function of their size: the contents of a file in configs/latency.
 struct LatencyConfig {
   std::string process = "unnamed";
   std::map<std::string, sim::Band> arrays;

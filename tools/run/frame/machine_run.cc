@@ -117,7 +117,8 @@ class VariantRuns {
   Progress* const progress_;
   std::vector<FrameResult> all_;
   std::mutex mutex_;
-  std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished tiles of the current part; finished parts
+  std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished tiles of the current part (a part per machine);
+                                                   ///< finished parts
 };
 
 }  // namespace

@@ -179,8 +179,8 @@ class RecordedFrame {
   RecordedFrame& operator=(const RecordedFrame&) = delete;
 
   /// Simulates the frame on the machine of each configuration, `threads` at a time. The configurations may differ from
-  /// `inputs` only in keys that do not change the work. Returns results in order, without pictures. Throws
-  /// sim::Deadlock, Interrupted.
+  /// `inputs` only in keys that do not change the work. Returns results in the order of `configs`, without pictures.
+  /// Throws sim::Deadlock, Interrupted.
   std::vector<FrameResult> simulate(std::span<const RunConfig> configs) const;
 
  private:
