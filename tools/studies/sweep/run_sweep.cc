@@ -54,7 +54,7 @@ struct Planned {
   std::vector<std::string> slurm;
 };
 
-/// Plans the points of a sweep's file. Files that it names are relative to its folder.
+/// Plans the points of a sweep's file. File names in it are relative to its folder.
 Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   sweep::Spec spec = sweep::read_spec(file);
   spec.sets.insert(spec.sets.end(), options.sets.begin(), options.sets.end());
@@ -68,8 +68,8 @@ Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   return {sim::read_file(file, 1 << 20), sweep::plan_points(spec, file.parent_path(), tell), spec.slurm};
 }
 
-/// Reads the points of a folder and updates their keys; plans them again if an earlier run was killed before it had
-/// stored any.
+/// Reads the points of a sweep's folder and updates their ids. Plans them again if an earlier run was killed before it
+/// had stored any point.
 Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
   const fs::path file = folder.path() / "sweep.yaml";
   Planned planned{sim::read_file(file, 1 << 20), folder.read_points(), folder.slurm_arguments()};
@@ -79,7 +79,8 @@ Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder)
   return planned;
 }
 
-/// Returns "in the store", "impossible" or "to compute, 3 of 8 slices in the store".
+/// Returns for a dry run what will happen to a point: "in the store", "impossible" or "to compute, 3 of 8 slices in the
+/// store".
 std::string plan_status_text(const Point& point, const Store& store) {
   const auto is_there = [&](const Point& one) { return store.is_done(one.id); };
   if (is_there(point)) return "in the store";
@@ -108,7 +109,7 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   }
 }
 
-/// Shows the progress of a batch, by points or, where points are cut, by slices.
+/// Shows the progress of a batch. The unit is a point, or for points that are cut, a slice.
 class BatchProgress {
  public:
   BatchProgress(const SweepOptions& options, const std::vector<Point>& points)
@@ -144,7 +145,7 @@ class BatchProgress {
   Progress progress_;
   const std::vector<Point>& points_;
   std::vector<std::uint32_t> slices_;  ///< ended slices, by point
-  std::uint32_t all_ = 0, done_ = 0;   ///< pieces: slices, and points that are not cut
+  std::uint32_t all_ = 0, done_ = 0;   ///< numbers of pieces: slices, and points that are not cut
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
@@ -239,8 +240,8 @@ int run_sweep(const SweepOptions& options) {
 
 namespace {
 
-/// Returns the ids of points on each line of the file `list`; without a file, each point of the sweep is a line. Points
-/// that are cut into slices are replaced by their slices.
+/// Returns one entry per line of the file `list`: the ids of the points on that line. Without a file, one entry per
+/// point of the sweep. A point that is cut into slices is replaced by its slices, an entry each.
 std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points, const fs::path& list) {
   std::vector<std::vector<std::string>> ids;
   if (list.empty()) {
@@ -258,7 +259,7 @@ std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points,
   return ids;
 }
 
-/// Returns the points that `options` selects: a chunk of the lines of its list, or of the points of the sweep.
+/// Returns the points that `options` selects: those of some consecutive lines of its list, or of the sweep.
 std::vector<Point> points_of_chunk(const SweepFolder& folder, const PointOptions& options) {
   const std::vector<Point> all = folder.read_points();
   const std::vector<std::vector<std::string>> lines = list_ids(all, options.list);
@@ -333,7 +334,7 @@ void join_sweep(const SweepFolder& folder) {
 
 namespace {
 
-/// Counts the points of a sweep by status, from its folder and the store alone.
+/// Counts the points of a sweep by status. Reads only its folder and the store.
 sim::Json count_points(const SweepFolder& folder) {
   const Store store = folder.store();
   std::uint64_t done = 0, failed = 0, running = 0, damaged = 0, slices = 0, slices_done = 0;
@@ -384,7 +385,7 @@ std::string counts_text(const sim::Json& status) {
   return text;
 }
 
-/// Number of points without a result; where they are cut, of slices.
+/// Returns the number of points without a result. For a point that is cut, the slices without a result are counted.
 std::uint64_t missing_pieces(const sim::Json& status) {
   const auto slices = status.find("slices_of_missing");
   return slices == status.end() ? count_of(status, "missing") : count_of(*slices, "slices") - count_of(*slices, "done");
@@ -464,7 +465,7 @@ void cancel_sweep(const fs::path& path) {
     for (int k = 0; k < kPolls && folder.find_runner(); ++k) std::this_thread::sleep_for(kPollPeriod);
     if (folder.find_runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
   }
-  // A process on another host that waits for the jobs ends when they do.
+  // A process on another host that waits for the jobs ends when the jobs end.
   const bool had_jobs = sweep::cancel_on_slurm(folder);
   if (runner && !is_here && !had_jobs) {
     throw sim::InputError(fmt::format("{}: is run by process {} on {}; cancel it there", sim::printable(path.string()),

@@ -32,21 +32,21 @@ namespace {
 namespace fs = std::filesystem;
 using sim::Json;
 
-/// Simulates all frames. After an interrupt it throws Interrupted instead of returning a partial result.
+/// Simulates all frames of a point. After an interrupt it throws Interrupted instead of returning a partial result.
 RunResult run_all(FrameSource& frames, const RunOptions& options) {
   RunResult result = run(frames, options);
   if (result.partial) throw Interrupted{};
   return result;
 }
 
-/// Writes the picture of the first frame.
+/// Writes the picture if the frame is the first one.
 void write_picture(const SimulatedFrame& played, const fs::path& file) {
   if (!played.is_first) return;
   const kernels::RenderConfig& render = played.inputs.config.render;
   traces::write_png(file, render.width, render.height, to_rgb8(played.frame.rendered.rgb));
 }
 
-/// Throws IoError: an input of the point has changed since the sweep was planned. No Failure is recorded for the point.
+/// Throws IoError because an input of the point has changed since the sweep was planned. The caller records no Failure.
 [[noreturn]] void refuse_changed(const Point& point) {
   throw sim::IoError(
       fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
@@ -66,7 +66,7 @@ Failure failure_of_whole(const Point& slice, Failure failure) {
   return failure;
 }
 
-/// Reads the frames of a slice from the store.
+/// Reads the results of a slice from the store, one entry per frame.
 Json frames_in(const Store& store, const Point& slice) {
   const std::optional<std::string> bytes = store.read_slice(slice.id);
   if (!bytes) {
@@ -168,7 +168,7 @@ PointStatus PointComputer::compute_point(const Point& point, const Order& order)
   }
   put_failure(point, {point.id, exit, error, log, host_name(), order.attempt});
   return PointStatus::kFailed;
-} catch (const std::bad_alloc&) {  // a shortage of the host, not an error of the point
+} catch (const std::bad_alloc&) {  // the host is short of memory; the point has no error
   throw sim::IoError(fmt::format("point {}: out of memory; fewer points at a time (-j) need less", point.n));
 }
 
@@ -178,7 +178,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
   if (!key.stream.empty() && fs::exists(store_.stream_file(key.stream))) {
     try {
       return replay_stream(point, key, config);
-    } catch (const sim::InputError& error) {  // truncated or foreign trace
+    } catch (const sim::InputError& error) {  // the trace is truncated or of other work
       print_message("warning: {}; computed without it", error.what());
       store_.remove_stream(key.stream);
     }
@@ -278,7 +278,7 @@ void PointComputer::join_if_complete(const Point& slice, const Order& order) {
 void PointComputer::put_failure(const Point& point, const Failure& failure) const {
   store_.put_failure(failure);
   if (point.slice == 0) return;
-  // Another process that holds the lock finds the failure of the slice.
+  // If another process holds the lock, that process will find the failure of the slice.
   const std::optional<sim::FileLock> lock = store_.lock_point(point.whole);
   if (lock && store_.status_of(point.whole) == PointStatus::kMissing) {
     store_.put_failure(failure_of_whole(point, failure));

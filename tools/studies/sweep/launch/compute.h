@@ -10,21 +10,21 @@
 
 namespace tools::sweep {
 
-/// Computes points one after the other and puts each into the store. Keeps a scene and its tree for the next point. The
-/// process that computes the last slice of a point also joins the slices.
+/// Simulates points of a sweep one after the other and stores their results. Keeps a loaded scene and its BVH for the
+/// next point. The process that simulates the last slice of a point also joins the results of all its slices.
 class PointComputer {
  public:
   /// `threads`: host threads that simulate each point.
   PointComputer(const Store& store, std::uint32_t threads) : store_(store), threads_(threads) {}
 
   struct Order {
-    bool record = false;  ///< keep the work that the point records, for points that share it
+    bool record = false;  ///< record the rays of the frames, for other points to replay
     bool wait = false;    ///< wait if another process computes the point
     bool retry = false;   ///< compute the point although it failed before
     int attempt = 1;
   };
-  /// Returns kComputed, kDone (found in the store), kFailed or kLocked. An error of the point is recorded as a Failure.
-  /// Throws IoError if the store cannot be written, and Interrupted.
+  /// Simulates a point. Returns kComputed, kDone (found in the store), kFailed or kLocked. An error of the point is
+  /// recorded as a Failure. Throws IoError if the store cannot be written, and Interrupted.
   PointStatus compute_point(const Point& point, const Order& order);
 
  private:
@@ -37,16 +37,16 @@ class PointComputer {
   void replay_stream(const Point& point, const PointKeys::Key& key, const RunConfig& config);
   void play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config);
   void join_slices_of(const Point& whole, const PointKeys::Key& key, const RunConfig& config);
-  /// Computes the missing slices of a point. Returns the failure of the whole point if one of them fails.
+  /// Simulates the slices of a point that have no result. If one fails, it returns the failure of the whole point.
   std::optional<Failure> compute_missing_slices(const Point& whole, const Order& order);
-  /// Joins the slices of the whole point if all have results and no other process is joining them.
+  /// Joins all slices of the point to which `slice` belongs, if all have results and no other process is joining them.
   void join_if_complete(const Point& slice, const Order& order);
   void put_failure(const Point& point, const Failure& failure) const;
-  /// Begins to record a stream: the work of a point's frames, which other points replay. Returns nothing if it cannot
+  /// Begins to record a stream: the rays of a point's frames, which other points replay. Returns nothing if it cannot
   /// be recorded or another process records it.
   std::optional<Recording> begin_recording(const std::string& stream, const Inputs& inputs, const JobOptions& options);
-  /// Returns the inputs of a point; the caller may advance them to later frames. Throws IoError if the scene file has
-  /// changed since the point was planned.
+  /// Returns the scene and settings of a point. The caller may advance the scene to later frames. Throws IoError if the
+  /// scene file has changed since the point was planned.
   Inputs& inputs_for(const Point& point, const PointKeys::Key& key, const RunConfig& config);
 
   const Store store_;

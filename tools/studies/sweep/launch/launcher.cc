@@ -49,7 +49,8 @@ void Launcher::remove_failure(const Point& point) const {
   if (const std::optional<sim::FileLock> lock = store_.lock_point(point.id)) store_.remove_failure(point.id);
 }
 
-/// A batch with cut points: first their slices are computed with the other points, then the slices are joined.
+/// A batch in which some points are cut into slices. First all slices and uncut points are simulated, then the slices
+/// of each point are joined.
 class Launcher::CutBatch {
  public:
   CutBatch(Launcher& launcher, std::span<const Point> points) : launcher_(launcher), points_(points) {
@@ -93,7 +94,7 @@ class Launcher::CutBatch {
     point_of_.push_back(point);
   }
 
-  /// Joins the slices of points whose last slice's worker ended before it had joined them.
+  /// Joins slices that are still unjoined because the worker of the last slice ended too early.
   void join_slices(BatchEnd& end, const PointWatch& watch) {
     std::vector<Point> wholes;
     std::vector<std::size_t> indices;
@@ -263,7 +264,7 @@ class LocalLauncher final : public Launcher {
       std::optional<std::size_t> recorder;  ///< index of the point that records the stream
     };
 
-    /// Finishes point `p` if it need not be computed; otherwise queues it for a worker.
+    /// Finishes point `p` if the store has its result; otherwise queues it for a worker.
     void find_in_store(std::size_t p) {
       const PointStatus status = launcher_.store_.status_of(points_[p].id);
       if (!launcher_.needs_computing(status)) return finish_point(p, status);
@@ -274,14 +275,14 @@ class LocalLauncher final : public Launcher {
 
     Group* group_of(std::size_t p) { return points_[p].stream.empty() ? nullptr : &groups_.at(points_[p].stream); }
 
-    /// False if another process computes the point or another point is recording its stream.
+    /// True if a queued point can start: no other process computes it, and no other point is recording its stream.
     bool is_ready(const Waiting& waiting) {
       const Group* group = group_of(waiting.point);
       return !waiting.locked && (group == nullptr || group->state != Group::State::kRecording);
     }
 
-    /// Returns true if the point must record the work of its frames (its stream) for other points to replay, and marks
-    /// the stream as being recorded.
+    /// Returns true if the point must record the rays of its frames (its stream) for other points. Marks the stream as
+    /// being recorded.
     bool begin_recording(std::size_t p) {
       Group* group = group_of(p);
       if (group == nullptr || group->state != Group::State::kUnrecorded) return false;
@@ -309,7 +310,7 @@ class LocalLauncher final : public Launcher {
       launcher_.store_.remove_stream(points_[p].stream);
     }
 
-    /// Removes streams (recorded work) that a killed run has left and that no point needs.
+    /// Removes streams (recorded rays) that a killed run has left and that no point needs.
     void remove_unused_streams() {
       if (launcher_.options_.keep_streams) return;
       for (const Point& point : points_) {
@@ -322,7 +323,7 @@ class LocalLauncher final : public Launcher {
       watch_(p, status);
     }
 
-    /// Finishes a point and all points with the same id.
+    /// Finishes point `p` and all points with the same id.
     void finish_twins(std::size_t p, PointStatus status) {
       finish_point(p, status);
       const auto [begin, end] = twins_.equal_range(p);
@@ -409,7 +410,7 @@ class LocalLauncher final : public Launcher {
     const std::span<const Point> points_;
     const PointWatch& watch_;
     std::vector<Waiting> waiting_;
-    /// Later points with the same id, by the first point with this id.
+    /// For the first point with an id: all later points with the same id.
     std::multimap<std::size_t, std::size_t> twins_;
     std::map<std::size_t, int> attempts_;
     std::map<std::string, Group> groups_;            ///< groups of points by key of their stream

@@ -14,26 +14,26 @@
 
 namespace tools::sweep {
 
-/// Result of computing a batch of points.
+/// Result of simulating a batch of points of a sweep.
 struct BatchEnd {
   std::vector<PointStatus> statuses;  ///< statuses in the order of the batch's points
   double seconds = 0;                 ///< host time from the first point begun to the last one finished
-  double busy = 0;                    ///< share of that time in which workers had a point; 0 if none was begun
+  double busy = 0;                    ///< share of `seconds` in which workers had a point; 0 if none was begun
   std::uint32_t workers = 0;
   bool interrupted = false;  ///< an interrupt ended the batch; some points may have no result
   std::uint64_t count_of(PointStatus status) const;
 };
 
-/// Computes batches of points into a store.
+/// Simulates batches of points of a sweep and writes the results to a store.
 ///
 ///   const auto launcher = make_local_launcher(store, {.jobs = 2});
 ///   const BatchEnd end = launcher->run(points);
 ///   if (is_done(end.statuses[0])) use(*store.read_report(points[0].id));
 ///
-/// 1. Points must have their keys (PointKeys::set_key). Two points with one id are computed once.
+/// 1. Points must have their ids (PointKeys::set_key). Points with the same id are simulated once.
 /// 2. Points that are done are not computed again; failed points only with `retry_failed`.
 /// 3. A point that fails or crashes its worker does not stop the batch.
-/// 4. Slices of cut points are handed out like points.
+/// 4. If a point is cut into slices, each slice is given to a worker like a point.
 class Launcher {
  public:
   virtual ~Launcher() = default;
@@ -44,8 +44,8 @@ class Launcher {
   using PointWatch = std::function<void(std::size_t point, PointStatus status)>;
   /// Called when a slice of a point has ended, with the index of the point.
   using SliceWatch = std::function<void(std::size_t point)>;
-  /// Returns when all points have ended or an interrupt waits (tools/host/process.h; the caller holds interrupts).
-  /// Throws IoError if the store cannot be written; finished points are kept.
+  /// Returns when all points have ended, or when an interrupt is pending (the caller delays interrupts,
+  /// tools/host/process.h). Throws IoError if the store cannot be written; finished points are kept.
   BatchEnd run(
       std::span<const Point> points, const PointWatch& watch = [](std::size_t, PointStatus) {},
       const SliceWatch& slice_watch = [](std::size_t) {});
@@ -53,7 +53,8 @@ class Launcher {
  protected:
   Launcher(Store store, bool retry_failed) : store_(std::move(store)), retry_failed_(retry_failed) {}
 
-  /// Computes uncut points and slices. A cut point is passed after all its slices have ended, so that they are joined.
+  /// Simulates slices, and points that are not cut into slices. A cut point is passed after all its slices have ended,
+  /// to join them.
   virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
   /// True if a point with this status must still be computed: it is not done, and if it failed, it is retried.
@@ -73,9 +74,10 @@ class Launcher {
 /// Options of make_local_launcher().
 struct LocalOptions {
   std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
-  std::uint32_t threads = 0;  ///< threads of each worker; 0: the cores of the host, shared out
+  std::uint32_t threads = 0;  ///< threads of each worker; 0: the host's cores divided by the number of workers
   bool retry_failed = false;
-  bool keep_streams = false;    ///< keep recorded streams for other launchers after the last point has used them
+  bool keep_streams =
+      false;  ///< keep streams (recorded rays) after the last point has replayed them, for later batches
   std::filesystem::path log{};  ///< folder for the output of workers; empty: it is discarded
 };
 

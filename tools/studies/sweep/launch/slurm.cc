@@ -52,7 +52,7 @@ using Words = std::vector<std::string>;
 
 constexpr std::size_t kMostErrorText = 2000;  // bytes
 
-/// What a command printed, and its exit code.
+/// The output of a command and its exit code.
 struct CommandOutput {
   int exit = 0;
   std::string out, err;
@@ -250,7 +250,7 @@ bool was_submitted(const SweepFolder& folder) {
   return false;
 }
 
-/// Cancels the jobs of the sweep and waits until they have ended. Returns what was in the queue.
+/// Cancels the jobs of the sweep and waits until they have ended. Returns the queue as it was before.
 SlurmQueue cancel_queue(const SweepFolder& folder) {
   constexpr double kPatience = 60;  // s
   const SlurmQueue queue = read_queue(folder);
@@ -300,7 +300,7 @@ std::uint64_t next_array_number(const fs::path& folder) {
   return k;
 }
 
-/// Escapes %, which begins a pattern in the name of an output file.
+/// Escapes the character %, which begins a pattern in Slurm's names of output files.
 std::string escape_patterns(const std::string& path) {
   std::string out;
   for (const char c : path) out += c == '%' ? std::string("%%") : std::string(1, c);
@@ -396,7 +396,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// Reads the queue of Slurm, and tolerates a controller that does not answer for a while.
+/// Reads the queue of Slurm. Tolerates that Slurm does not answer for a while.
 class PatientQueue {
  public:
   explicit PatientQueue(const SweepFolder& folder) : folder_(folder) {}
@@ -422,7 +422,7 @@ void sleep_unless_interrupted(double seconds) {
   while (!is_interrupted() && sim::seconds_since(begin) < seconds) std::this_thread::sleep_for(Seconds(0.05));
 }
 
-/// Removes the logs of tasks that printed nothing.
+/// Removes the empty logs of tasks.
 void remove_empty_logs(const fs::path& log) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(log, ignored)) {
@@ -473,7 +473,7 @@ BatchEnd SlurmLauncher::run_batch(std::span<const Point> points, const PointWatc
 
 namespace {
 
-/// Returns "slurm-12_3.log: its last line" of the newest log; empty if tasks printed nothing.
+/// Returns name and last line of the newest log: "slurm-12_3.log: last line". Empty if no task printed anything.
 std::string last_log_line(const fs::path& log) {
   fs::file_time_type latest{};
   fs::path file;

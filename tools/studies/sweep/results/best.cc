@@ -25,9 +25,9 @@ namespace {
 
 constexpr std::size_t kShownTies = 20;
 constexpr std::size_t kLongestCommand = 4096;
-constexpr double kLittle = 0.05;  // share of the variance below which an axis matters little
+constexpr double kLittle = 0.05;  // an axis that explains a smaller share of the variance matters little
 
-/// Returns a table of `rows`, the best point and the points that tie with it, with the axes in which they differ.
+/// Returns a table of the best point and the points that tie with it (`rows`), with the axes in which they differ.
 std::string tie_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
                       const std::vector<std::size_t>& rows) {
   std::vector<Column> columns;
@@ -55,9 +55,9 @@ std::string tie_table(const Results& results, const RankedRows& ranked, const Fi
   return table.text() + (rows.size() > kShownTies ? fmt::format("and {} more\n", rows.size() - kShownTies) : "");
 }
 
-/// Returns a table of the axes, each with its values among the tied points and with a verdict:
-/// 1. All values tie: the axis does not matter if it surely explains less than 5 % of the variance; otherwise noise
-///    hides its best value.
+/// Returns a table of the axes. Each has its values among the points that tie with the best, and a verdict:
+/// 1. All values of the axis tie: the axis does not matter if it surely explains less than 5 % of the variance;
+///    otherwise noise hides its best value.
 /// 2. Not all values tie: the axis matters, or matters little if it explains less than 5 % of the variance.
 std::string axis_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
                        const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& ties) {
@@ -95,8 +95,8 @@ std::string axis_table(const Results& results, const RankedRows& ranked, const F
   return out;
 }
 
-/// Returns text on the tied points: the axes in which they differ, and for each axis its values among them and the
-/// share of the variance over all candidates that it explains.
+/// Describes the points that tie with the best one: the axes in which they differ, and the values of each axis among
+/// them. Also states the share of the variance over all candidates that each axis explains.
 std::string ties_text(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
                       const std::vector<std::size_t>& candidates, std::size_t first,
                       const std::vector<std::size_t>& ties) {
@@ -158,7 +158,7 @@ std::string settings_text(const sweep::Point& point) {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
-/// Returns the figure of a point, with replicates as "664.5 ± 0.6 %, mean of 5 plays".
+/// Returns the value of a metric at a point as text: "664.5", or with replicates "664.5 ± 0.6 %, mean of 5 plays".
 std::string figure_text(const Results& results, const Column& figure, std::size_t row) {
   const FigureNoise noise(results, figure, {row});
   const std::string value = shown_cells(noise.means(), {row}).front();
@@ -166,7 +166,8 @@ std::string figure_text(const Results& results, const Column& figure, std::size_
   return fmt::format("{} {}, mean of {} plays", value, interval_text(noise, row), noise.replicate_count(row));
 }
 
-/// Returns a line for each figure of a point: the metric, and the figures that conditions compare.
+/// Returns a line with name and value for the ranked metric and for each metric that the conditions compare, at one
+/// point.
 Lines figure_lines(const Results& results, const RankedRows& ranked, const Column& metric, const BestOptions& options,
                    std::size_t row) {
   Lines lines = {{shown_name(metric), figure_text(results, metric, row)}};
@@ -175,7 +176,7 @@ Lines figure_lines(const Results& results, const RankedRows& ranked, const Colum
     const auto is_this = [&](const auto& line) { return line.first == shown_name(column); };
     const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
     const bool is_per_workload =
-        ranked.by_machine && !column.fold && !sweep::is_metric_of_machine(column.name);  // in workload_table()
+        ranked.by_machine && !column.fold && !sweep::is_metric_of_machine(column.name);  // shown in workload_table()
     if (is_axis || is_per_workload || std::ranges::any_of(lines, is_this)) continue;
     lines.emplace_back(shown_name(column), figure_text(results, column, row));
   }
@@ -209,7 +210,7 @@ std::string workload_table(const Results& results, const Column& metric, const B
   return table.text();
 }
 
-/// Returns the lines that name a machine or a point: axes, settings, id, configuration and commands that run it again.
+/// Returns lines that describe a machine or a point: axes, settings, id, configuration and commands that run it again.
 Lines origin_lines(const Results& results, std::span<const sweep::Point> points, const RankedRows& ranked,
                    std::size_t row) {
   Lines lines;
@@ -240,7 +241,7 @@ Lines origin_lines(const Results& results, std::span<const sweep::Point> points,
   return lines;
 }
 
-/// Throws InputError if draws of the energy tables are requested for a figure without energy.
+/// Throws InputError if random draws of the energy tables are requested for a metric without energy.
 void check_metric_has_energy(const Column& metric, const BestOptions& options) {
   if (!options.band || energy_metric(report_path(metric))) return;
   throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",
@@ -332,7 +333,7 @@ struct ValueRange {
   }
 };
 
-/// `noun`: "point" or "machine".
+/// Draws the Pareto front as a text plot of `width` columns. `noun`: "point" or "machine".
 std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::string_view noun,
                         std::size_t width) {
   const std::vector<std::size_t> all = front.all_rows();
@@ -375,14 +376,14 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// Returns whether "max:PATH" or "min:PATH" states the direction of more; nothing for a bare path.
+/// Returns true for "max:PATH", false for "min:PATH", and nothing for a bare path.
 std::optional<bool> stated_direction(std::string_view text) {
   const bool is_max = text.starts_with("max:");
   return is_max || text.starts_with("min:") ? std::optional(is_max) : std::nullopt;
 }
 
-/// Returns a column with the mark of each point: a letter on the front, a letter and "~" if it is perhaps on the front,
-/// "~" near the front.
+/// Returns a column with the mark of each point: a letter on the Pareto front, a letter and "~" where noise makes that
+/// uncertain, "~" within noise of the front.
 Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
   Column marks{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) {
@@ -392,12 +393,12 @@ Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
   return marks;
 }
 
-/// Two figures of the same points under random draws of the energy tables.
+/// The values of two metrics at the same points, under random draws of the energy tables.
 struct DrawnPair {
   BandedMetric x, y;
-  std::vector<std::size_t> at;  ///< by row: its index in `x` and in `y`
+  std::vector<std::size_t> at;  ///< for each row of the results, its index in `x` and in `y`
 
-  /// Returns the share of the draws in which row `better` dominates row `worse`.
+  /// Returns the share of the random draws in which row `better` dominates row `worse`.
   double share_dominating(std::size_t better, std::size_t worse) const {
     const std::size_t b = at[better], w = at[worse];
     std::size_t count = 0;
@@ -426,7 +427,8 @@ DrawnPair price_both(const Results& results, const RankedRows& ranked, const Obj
   return out;
 }
 
-/// Returns a column with the share of draws in which each row is on the front: "86.5 %".
+/// Returns a column with the share ("86.5 %") of random draws of the energy tables in which each row is on the Pareto
+/// front.
 Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   Column shares{"on the front in", std::vector<Value>(rows)};
   const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
@@ -436,7 +438,8 @@ Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   return shares;
 }
 
-/// Adds, for each figure with energy, the ratio of each row to the best one under low, nominal and high tables.
+/// Adds a column for each metric that contains energy: the ratio of each row to the best row under low, nominal and
+/// high energy tables.
 void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& columns) {
   for (const BandedMetric* metric : {&draws.x, &draws.y}) {
     if (!energy_metric(metric->path)) continue;
@@ -449,13 +452,13 @@ void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& c
   }
 }
 
-/// Returns a line on the noise of a figure; empty if the figure has no noise.
+/// Returns a line on the noise of an objective; empty if it has none.
 std::string noise_line(const Objective& objective, const FigureNoise& noise) {
   return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.describe()) : std::string();
 }
 
-/// Returns for each entry of `front.rows` whether it is significantly better than every other row in at least one
-/// figure, at 5 % for all comparisons of a row together.
+/// Returns for each row of the Pareto front whether it is significantly better than every other row in at least one
+/// metric. All comparisons of a row together have an error of 5 %.
 std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                   const FigureNoise& y_noise, const ParetoFront& front) {
   const std::vector<std::size_t> all = front.all_rows();
@@ -511,7 +514,7 @@ ParetoFront find_front(const Objective& x, const Objective& y, const std::vector
     return a.x != b.x ? x.is_better(a.x, b.x) : y.is_better(a.y, b.y);
   });
   ParetoFront front;
-  const Point* last = nullptr;  // the best in y so far
+  const Point* last = nullptr;  // the point with the best y so far
   for (const Point& point : points) {
     const bool is_equal = last != nullptr && point.x == last->x && point.y == last->y;
     const bool is_on_it = last == nullptr || is_equal || y.is_better(point.y, last->y);

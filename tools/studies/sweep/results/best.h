@@ -12,8 +12,8 @@
 
 namespace tools::results {
 
-/// Returns the candidates that are not significantly worse than `first`, the best one, at 5 % for all of them together;
-/// ordered from the best, without `first`.
+/// Returns the rows of `candidates` that are not significantly worse than `first`, the best row. They are ordered from
+/// the best, without `first`. All tests together have an error of 5 %.
 std::vector<std::size_t> find_ties(const FigureNoise& noise, bool more_is_better,
                                    const std::vector<std::size_t>& candidates, std::size_t first);
 
@@ -23,18 +23,18 @@ struct BestOptions {
   std::vector<std::string> where;
   bool band = false;  ///< also compute energies under random draws of the energy tables
 };
-/// Returns text on the point with the highest or lowest metric (of equal ones the first), its configuration and the
-/// command that runs it again. `points`: all points of the sweep. Throws InputError if no point meets the conditions.
-/// Over a set of workloads the best machine is found, as in select_ranked(), with its metrics on each workload.
+/// Describes the point with the best value of the metric (the first of equal ones), its configuration and the command
+/// that runs it again. `points`: all points of the sweep. If select_ranked() ranks machines, it describes the best
+/// machine and its metrics on each workload. Throws InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
-/// A figure of the results to minimise or maximise.
+/// A metric of the results that is minimised or maximised.
 struct Objective {
   Column column;
   bool more_is_better = false;
 
-  /// Parses "PATH", "min:PATH" or "max:PATH", where PATH may be a function over workloads. The default is the direction
-  /// of the metric, min if it has none. Throws InputError for unknown paths.
+  /// Parses "PATH", "min:PATH" or "max:PATH", where PATH may be a function over workloads. A bare PATH is maximised if
+  /// the metric is known to be better when larger, otherwise minimised. Throws InputError for unknown paths.
   Objective(const Results& results, const std::string& text);
   /// Returns the objective's value at a point; nothing if the point has none.
   std::optional<double> value_of(std::size_t row) const;
@@ -44,21 +44,21 @@ struct Objective {
 
 struct ParetoFront {
   std::vector<std::size_t> rows;   ///< rows on the front, the best x first
-  std::vector<std::size_t> other;  ///< rows that have both figures and are dominated
-  std::vector<std::size_t> near;   ///< rows of `other` that may be on the front, given the noise
-  std::vector<bool> sure{};        ///< by `rows`: the row is on the front in spite of the noise
-  /// Returns the rows of the Pareto front, followed by all others.
+  std::vector<std::size_t> other;  ///< rows that have both metrics and are dominated
+  std::vector<std::size_t> near;   ///< rows of `other` that may be on the front within the noise
+  std::vector<bool> sure{};        ///< per entry of `rows`: it is on the front whatever the noise
+  /// Returns the rows of the Pareto front, followed by the dominated rows.
   std::vector<std::size_t> all_rows() const;
   /// Returns the mark of entry `i` of `rows` in the plot: a letter, or '#' if there are too many rows.
   char mark_of(std::size_t i) const;
 };
 
-/// Finds the Pareto front of the selected rows: the rows that no other row dominates.
+/// Finds the Pareto front of two objectives: the selected rows that no other selected row dominates.
 ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected);
 
-/// Returns the rows of `front.other` that no other row dominates significantly, at 5 % for all comparisons of a row
-/// together. `sure`: if not empty, a row dominates another only if it also does so under the random draws of the energy
-/// tables.
+/// Returns the dominated rows (`front.other`) that no other row dominates significantly. All comparisons of a row
+/// together have an error of 5 %. `sure`: if not empty, `better` dominates `worse` only if this function also returns
+/// true.
 std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                          const FigureNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure);
@@ -69,7 +69,7 @@ struct ParetoOptions {
   bool csv = false;
   bool band = false;  ///< also compute energies under random draws of the energy tables
 };
-/// Returns the plot and the table of the Pareto front, or the front as CSV.
+/// Returns the Pareto front as a text plot of `width` columns and a table, or as CSV.
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);
 
 }  // namespace tools::results

@@ -43,7 +43,7 @@ Value scalar_of(const Json& json) {
   return json.is_number_integer() ? Value(json.get<std::int64_t>()) : Value();
 }
 
-/// Adds all scalars of a report with their paths, e.g. "totals.top_down.cores[2].boxes".
+/// Adds all scalars of a report to `scan`, with their paths such as "totals.top_down.cores[2].boxes".
 void add_metrics(const Json& json, const std::string& path, MetricNames& names, ReportScan& scan) {
   if (json.is_array()) {
     for (std::size_t i = 0; i < json.size(); ++i) add_metrics(json[i], fmt::format("{}[{}]", path, i), names, scan);
@@ -54,7 +54,7 @@ void add_metrics(const Json& json, const std::string& path, MetricNames& names, 
   }
 }
 
-/// Returns the scalars at these dotted paths; absent where there is none.
+/// Returns the scalars at these dotted paths of a JSON value; an absent value where there is none.
 template <std::size_t kCount>
 std::array<Value, kCount> scalars_at(const Json& json, const std::array<const char*, kCount>& paths) {
   std::array<Value, kCount> values;
@@ -101,7 +101,7 @@ std::optional<std::string> scan_report(std::string_view text, MetricNames& names
 
 namespace {
 
-/// A point as tables show it.
+/// A point of a sweep, with what tables show of it.
 struct ListedPoint {
   std::int64_t n = 0;
   std::string id;
@@ -178,10 +178,11 @@ struct Collection {
   std::vector<std::vector<Value>> columns;  ///< values by metric, then by point
 };
 
-/// Reads all points of a sweep from the store, on all host cores. The result does not depend on their number.
+/// Reads all points of a sweep from the store, on all host cores. The result does not depend on the number of cores.
 Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& store) {
   constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
-  /// The metrics that one reader thread has found. `global`: number in the whole collection of each metric of `names`.
+  /// The metrics that one reader thread has found. `global`: for each metric of `names` its number in the whole
+  /// collection.
   struct Reader {
     MetricNames names;
     std::vector<std::uint32_t> global;
@@ -214,7 +215,7 @@ Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& 
   return all;
 }
 
-// Values are stored column by column: queries read few columns of all points.
+// Values are stored column by column, because queries read few columns of all points.
 constexpr const char* kTables = R"(
 PRAGMA user_version = 2;
 CREATE TABLE sweep (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
@@ -384,7 +385,7 @@ void write_tables(SQLite::Database& index, const Collection& all, const MachineS
   index.exec("COMMIT");
 }
 
-/// The cells of one column of results.csv, which are read in the order of the points.
+/// Reads the cells of one column of results.csv in the order of the points.
 class CellReader {
  public:
   CellReader(const SQLite::Database& index, const char* sql, std::int64_t number) : cells_(index, sql) {
@@ -502,7 +503,8 @@ class MachineColumns {
  private:
   using Kind = sweep::SetMetric::Kind;
 
-  /// Returns metrics of the machine alone, then the aggregates of the main metrics.
+  /// Returns the columns of metrics that depend on the machine alone, then of the main metrics' aggregates over
+  /// workloads.
   std::vector<Column> fold_metrics() const {
     std::vector<Column> columns;
     for (const auto& [path, m] : by_path_) {
@@ -519,7 +521,7 @@ class MachineColumns {
   Column fold(Kind kind, const std::string& path, std::vector<Value> values) const {
     return fold_column(machines_, {kind, path, {}}, {path, std::move(values)}, false);
   }
-  /// Values of a metric by point; means of replicates where there are any.
+  /// Returns the value of a metric at each point; the mean of its replicates if it has some.
   std::vector<Value> means_of(const std::string& path) const {
     std::vector<Value> values = all_.columns[by_path_.at(path)];
     const auto means = by_path_.find(fmt::format("totals.replicates.figures.{}.mean", metric_name(path)));
@@ -537,7 +539,7 @@ class MachineColumns {
   std::vector<Column> folded_;
 };
 
-/// Exports machines.csv: one row a machine, with its axes, the aggregates of the main metrics over its workloads, and
+/// Exports machines.csv: one row per machine with its axes, the aggregates of the main metrics over its workloads, and
 /// every metric on each workload.
 std::string export_machines(const SQLite::Database& index, const Collection& all, const MachineSet& machines) {
   std::vector<std::string> header = {"machine", "status", "points"};
@@ -583,7 +585,7 @@ std::string export_machines(const SQLite::Database& index, const Collection& all
   return out;
 }
 
-/// Returns the bytes of the file of a database in memory.
+/// Returns an in-memory database as the bytes of a database file.
 std::string file_bytes(SQLite::Database& index) {
   sqlite3_int64 size = 0;
   const std::unique_ptr<unsigned char, decltype(&sqlite3_free)> image(
@@ -592,14 +594,14 @@ std::string file_bytes(SQLite::Database& index) {
   return {reinterpret_cast<const char*>(image.get()), static_cast<std::size_t>(size)};
 }
 
-/// Returns size, inode and time of a file as text, which changes with the file; "-" if there is no file.
+/// Returns size, inode and time of a file as text, to detect changes of the file; "-" if there is no file.
 std::string file_fingerprint(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return "-";
   return fmt::format("{} {} {}.{:09}", status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
 }
 
-/// Returns a hash of everything that the index is made from.
+/// Returns a hash of all inputs of a sweep's index: the points and the files of their results.
 std::string input_fingerprint(const std::vector<ListedPoint>& points, const sweep::Store& store) {
   sim::Sha256 all;
   all.add(fmt::format("{}\n{}\n", kIndexSchema, store.root().string()));

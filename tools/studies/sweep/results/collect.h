@@ -18,11 +18,11 @@ struct Collected {
   bool unchanged = false;  ///< no input had changed since the last collection, so nothing was written
 };
 
-/// Makes a sweep's index.sqlite from points.jsonl and the result store, and results.csv from the index. A sweep with
-/// several workloads also gets machines.csv. Each file is replaced atomically. Waits while another process collects the
-/// same sweep. Does nothing if no input has changed. Throws InputError for a damaged list of points.
+/// Writes a sweep's index.sqlite from points.jsonl and the result store, and results.csv from the index. A sweep that
+/// lists workloads also gets machines.csv. Each file is replaced atomically. Does nothing if no input has changed.
+/// Waits while another process collects the same sweep. Throws InputError for a damaged list of points.
 Collected collect_results(const sweep::SweepFolder& folder);
-/// Calls collect_results(). If the folder is read-only but has an index, it prints only a warning that ends with
+/// Calls collect_results(). If the folder is read-only but has an index, it only prints a warning that ends with
 /// `consequence`.
 void collect_if_writable(const std::filesystem::path& sweep, std::string_view consequence);
 
@@ -32,7 +32,7 @@ std::string summary_text(const Collected& collected);
 /// Returns the status of a point for tables: Store::status_of(), except that a damaged failure file counts as failed.
 PointStatus listed_status(const sweep::Store& store, const std::string& id);
 
-/// Numbers paths of metrics in the order of their first use.
+/// Gives each metric path a number, from 0 in the order of first use.
 class MetricNames {
  public:
   std::uint32_t number_of(std::string_view path) {
@@ -53,7 +53,7 @@ class MetricNames {
   std::vector<std::string> names_;
 };
 
-/// Paths that the index stores: within each entry of a report's `frames`, and within its `host`.
+/// Paths whose values the index stores: kFrameFigures in each entry of a report's `frames`, kHostFacts in its `host`.
 inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "time_ms",           "rays.total",
                                              "traversal_steps", "dram_bytes", "energy_mj.nominal", "power_w.nominal",
                                              "traced_ratio",    "psnr_db"};
@@ -61,12 +61,13 @@ inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "
 
 /// The values of a report that the index stores.
 struct ReportScan {
-  std::vector<std::pair<std::uint32_t, Value>> metrics;  ///< scalars of `totals`: number of the path, value
+  std::vector<std::pair<std::uint32_t, Value>>
+      metrics;  ///< scalars of `totals`: number of the path (MetricNames), value
   std::vector<std::array<Value, kFrameFigures.size()>> frames;
   std::array<Value, kHostFacts.size()> host;
 };
-/// Reads the text of a report into `scan`. Returns an error if the text is truncated, is not a report, or is from an
-/// interrupted run.
+/// Reads the text of a report into `scan`. Returns an error message if the text is truncated, is not a report, or is
+/// from an interrupted run.
 std::optional<std::string> scan_report(std::string_view text, MetricNames& names, ReportScan& scan);
 
 }  // namespace tools::results

@@ -36,7 +36,7 @@ std::string label_of(const std::vector<Column>& varying, std::size_t row) {
   return sim::printable(out, 60);
 }
 
-/// Returns the share of all pairs of points that the values `b` order differently from the values `a`.
+/// Returns the share of all pairs of points whose order by the values `b` differs from their order by the values `a`.
 double share_of_reordered_pairs(const std::vector<double>& a, const std::vector<double>& b) {
   std::size_t pairs = 0, other = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -78,8 +78,8 @@ EnergyBand::EnergyBand(const Results& results, const std::vector<std::size_t>& r
 
 namespace {
 
-/// Evaluates a point of a metric, or a machine over its workloads.
-/// `value_of_run`: value of a run by its number.
+/// Returns the value of a metric at a point of a sweep, or for a machine over all its workloads. `value_of_run(i)`: the
+/// metric's value in run `i`.
 double evaluate_banded(const BandedMetric& metric, std::size_t point, auto&& value_of_run) {
   const std::vector<std::size_t>& runs = metric.runs[point];
   if (!metric.fold || runs.size() == 1) return value_of_run(runs.front());
@@ -159,7 +159,7 @@ BandedMetric EnergyBand::price_metric(const Results& results, const Column& colu
 
 namespace {
 
-/// Returns how the points of a metric are numbered: as machines for a function over workloads.
+/// Returns whether a table numbers its rows as machines, for a function over workloads, or as points.
 RankedRows ranked_rows_of(const Results& results, const BandedMetric& metric) {
   return {metric.fold != nullptr && results.machines().is_set(), {}};
 }

@@ -21,7 +21,7 @@ double number_at(const Column& column, std::size_t row) {
   return number ? number->value : 0;
 }
 
-/// Returns the noise of a figure of `totals` that is assumed for the picture size of each point.
+/// Returns for each point the noise of a metric of `totals` that is assumed for the point's picture size.
 std::vector<double> assumed_noise(const Results& results, const std::vector<std::size_t>& rows,
                                   const std::string& figure) {
   const auto noise_at = [&](std::size_t row) {
@@ -45,10 +45,11 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
   return out;
 }
 
-/// Path of the statistics of a figure of `totals`.
+/// Returns the report path of the replicate statistics of a metric of `totals`.
 std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
 
-/// Returns half of the 95 % interval of an estimate of tile sampling, as a share of it; 0 for exact figures.
+/// Returns half of the 95 % interval of a metric estimated by tile sampling, relative to its value; 0 for an exact
+/// metric.
 double sampling_error(const ReportFile& report, const std::string& figure) {
   const std::string path = "totals.sampled." + figure;
   const double estimate = report.number(path + ".estimate");
@@ -68,7 +69,7 @@ MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
     return {drawn.mean, drawn};
   }
   const double pixels = report.number("resolution[0]") * report.number("resolution[1]");
-  // Intervals of single values are narrower than those of differences of two.
+  // Assumed noise is that of a difference of two values, which is sqrt(2) times that of one value.
   const double sampled =
       std::numbers::sqrt2 * std::max(sampling_error(report, "cycles"), sampling_error(report, "energy_mj"));
   return {value, std::nullopt, std::hypot(default_noise(pixels, name), sampled)};

@@ -15,7 +15,7 @@
 namespace tools::results {
 namespace {
 
-/// Axes that a list of workloads sets.
+/// Axes that a workload may determine.
 constexpr std::array<std::string_view, 4> kWorkloadTexts = {"scene", "camera", "frames", "resolution"};
 
 /// True if points with equal values of `axis` have equal values of `other`.
@@ -28,7 +28,7 @@ bool determines(const std::vector<Value>& axis, const std::vector<Value>& other)
   return true;
 }
 
-/// Returns the values of a metric on each workload of a machine; of one workload for kOn.
+/// Returns the values of a metric on all workloads of a machine, or for kOn on one.
 std::vector<const Value*> values_of(const MachineSet& machines, const Fold& fold, std::size_t machine) {
   std::vector<const Value*> values;
   for (std::size_t w = 0; w < machines.rows[machine].size(); ++w) {

@@ -43,7 +43,7 @@ std::optional<std::size_t> index_of(const std::vector<std::string>& names, std::
   return static_cast<std::size_t>(found - names.begin());
 }
 
-/// True if `text` is the whole of `path`, its end, or a group of keys in it.
+/// True if `text` is one or more successive keys of `path`.
 bool is_part_of_path(std::string_view text, std::string_view path) {
   const auto is_end = [](char c) { return c == '.' || c == '['; };
   for (std::size_t at = path.find(text); at != std::string_view::npos; at = path.find(text, at + 1)) {
@@ -53,7 +53,7 @@ bool is_part_of_path(std::string_view text, std::string_view path) {
   return false;
 }
 
-/// Reads the numbers of the report of a point; none if it cannot be read.
+/// Reads all numbers of a point's report; returns none if the report cannot be read.
 std::vector<ReportNumber> read_numbers(const std::filesystem::path& folder) {
   try {
     return report_numbers(sim::parse_json(sim::read_file(folder / "report.json", kMostReportBytes)));
@@ -270,7 +270,7 @@ Column Results::read_from_reports(std::string_view text) const {
 
 namespace {
 
-/// Replaces the values of points with replicates by the means of their replicates.
+/// In the column of a metric, replaces the value of each point that has replicates by their mean.
 Column with_means(const Results& results, Column figure) {
   if (!is_totals_path(figure.name)) return figure;
   const std::string mean = fmt::format("totals.replicates.figures.{}.mean", metric_name(figure.name));
@@ -299,7 +299,7 @@ std::string unknown_unit(std::string_view text) {
   return bad == std::errc{} ? sim::printable(text.substr(static_cast<std::size_t>(end - text.data()))) : "";
 }
 
-/// Sets `met` to false for the points that do not meet the comparison `term` of the condition `text`.
+/// Sets `met` to false for each point that does not meet `term`, one comparison of the condition `text`.
 void apply_term(const Results& results, const std::string& text, const sweep::ConditionTerm& term,
                 std::vector<bool>& met) {
   const auto refuse = [&](const std::string& problem) {
@@ -412,7 +412,8 @@ std::string plain_text(double number, bool is_count) {
   return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digit_text(number);
 }
 
-/// The metric prefix that the numbers of a column share: that of the largest, if it has more than four digits.
+/// The metric prefix (k, M, ...) that all numbers of a column share: that of the largest number, if this has more than
+/// four digits.
 class SharedPrefix {
  public:
   void add_number(double number) { largest_ = std::max(largest_, exponent_of(number)); }
@@ -430,8 +431,8 @@ class SharedPrefix {
   int largest_ = 0;
 };
 
-/// Returns the cells of a column for display. `shortens`: whole numbers are measured figures and are shown with four
-/// digits; otherwise they are names or settings.
+/// Returns the cells of a column for display. `shortens`: show whole numbers with four digits, because they are values
+/// of a metric; otherwise they are names or settings.
 std::vector<std::string> cells_of(const std::vector<Value>& values, bool shortens) {
   const auto number_in = [&](const Value& value) -> std::optional<double> {
     if (const auto* real = std::get_if<double>(&value)) return *real;
@@ -475,11 +476,11 @@ std::string shown_name(const Column& column) {
 
 namespace {
 
-/// Figures that a table shows if no columns are requested.
+/// Metrics that a table shows if no columns are requested.
 constexpr const char* kUsualColumns[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
                                          "perf.frames_per_joule_gpu"};
 
-/// Returns the CSV columns of a figure: mean and interval if there are replicates, otherwise only the figure.
+/// Returns the CSV columns of a metric: mean and interval if there are replicates, otherwise only its value.
 std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
   const std::string at = fmt::format("totals.replicates.figures.{}.", figure);
   if (!results.has_metric(at + "mean")) return {figure};
@@ -503,7 +504,7 @@ std::vector<std::string> usual_columns(const Results& results, bool csv) {
   return names;
 }
 
-/// Returns the columns of a table of machines: its axes and the aggregates of the usual figures.
+/// Returns the default columns of a table of machines: axes, and aggregates of the main metrics.
 std::vector<std::string> usual_machine_columns(const Results& results) {
   std::vector<std::string> names = {"n", "status"};
   for (const Column& column : results.varying_axes()) {
@@ -524,7 +525,8 @@ std::vector<std::string> usual_machine_columns(const Results& results) {
   return names;
 }
 
-/// Selects the first rows of machines for a table, and turns the columns of points into columns of machines.
+/// Selects the machines that a table shows, each by its first row. Replaces the columns of points by columns of
+/// machines.
 std::vector<bool> select_machines(const Results& results, std::vector<Column>& columns,
                                   const std::vector<std::string>& where) {
   std::vector<const Column*> metrics;

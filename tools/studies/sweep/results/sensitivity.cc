@@ -23,7 +23,7 @@
 namespace tools::results {
 namespace {
 
-/// An axis with its values as levels, numbered in their order.
+/// An axis of a sweep whose distinct values are levels, numbered in ascending order.
 struct Factor {
   std::string name;
   std::vector<std::string> levels;
@@ -54,7 +54,8 @@ Factor factor_of(const Column& column, const std::vector<std::size_t>& rows) {
   return factor;
 }
 
-/// True if two axes divide the points in the same way; if no two points share a value, also in the same order.
+/// True if two axes divide the points into the same groups. If no two points share a value, the axes must also order
+/// the points alike.
 bool move_together(const Factor& a, const Factor& b) {
   if (a.levels.size() != b.levels.size()) return false;
   if (a.levels.size() == a.at.size()) return a.at == b.at;
@@ -155,8 +156,8 @@ double sum_of_squares(const std::vector<double>& values) {
   return std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
 }
 
-/// Least-squares fit of the values by a sum of one effect for each factor. Backfitting: each factor in turn is fitted
-/// to the residuals of the others; on a full grid one round is exact.
+/// Least-squares fit of the values by a sum of effects, one per factor (axis). Uses backfitting: each factor in turn is
+/// fitted to the residuals of the others. On a full grid one round is exact.
 class AdditiveModel {
  public:
   AdditiveModel(const std::vector<Factor>& factors, const std::vector<double>& deviations)
@@ -172,7 +173,7 @@ class AdditiveModel {
 
   const std::vector<double>& effects_of(std::size_t factor) const { return effects_[factor]; }
   double residual_squares() const { return sum_of_squares(residuals_); }
-  /// Sum of the products of effect and value; on a full grid, the sum of the squares of the effect. The sums of all
+  /// Returns the sum of squares that a factor explains: the sum over all points of effect times value. The sums of all
   /// factors add up to what the model explains even if factors are correlated (Li et al., J. Phys. Chem. A 114, 2010).
   double explained_by(std::size_t factor) const {
     double sum = 0;
@@ -263,15 +264,15 @@ std::vector<std::size_t> rows_with_numbers(const Column& column, const RankedRow
                                     missing.empty() ? "" : "; " + missing));
 }
 
-/// The shares of a figure's variance that each axis and noise explain.
+/// The shares of a metric's variance that each axis and the noise explain.
 struct VarianceShares {
   std::vector<double> axes;  ///< by factor
   double noise = 0;
 };
 
 /// Returns the shares of the variance that each axis and noise explain. For each degree of freedom of an axis, the
-/// variance due to chance is subtracted: `variance` (the noise of a value), but off a full grid at least the residual
-/// variance.
+/// variance due to chance is subtracted. That is `variance` (the noise of a value), and at least the residual variance
+/// if the grid is not full.
 VarianceShares shares_of(const Factors& factors, const std::vector<double>& values, double variance) {
   const double total = sum_of_squares(values);
   VarianceShares out{std::vector<double>(factors.list.size()), 0};
@@ -289,7 +290,7 @@ VarianceShares shares_of(const Factors& factors, const std::vector<double>& valu
   return out;
 }
 
-/// Draws from the standard normal distribution (Box and Muller, 1958).
+/// Returns a pseudo-random number of the standard normal distribution (Box and Muller, 1958).
 double normal_draw(std::uint64_t draw, std::uint64_t point) {
   const auto uniform = [&](std::uint64_t which) {
     return (static_cast<double>(sim::hash(draw, point, which) >> 11) + 0.5) * 0x1p-53;
@@ -297,8 +298,8 @@ double normal_draw(std::uint64_t draw, std::uint64_t point) {
   return std::sqrt(-2 * std::log(uniform(0))) * std::cos(2 * std::numbers::pi * uniform(1));
 }
 
-/// Computes 95 % intervals of the shares by parametric bootstrap: from sweeps whose values are drawn around the
-/// measured ones.
+/// Computes 95 % intervals of the shares by parametric bootstrap: repeats the analysis on values drawn at random around
+/// the measured ones.
 void find_intervals(const Factors& factors, const std::vector<double>& values, const std::vector<double>& variances,
                     std::vector<Effect>& effects) {
   constexpr std::uint64_t kSweeps = 400;
@@ -309,7 +310,7 @@ void find_intervals(const Factors& factors, const std::vector<double>& values, c
     const double mean = mean_of(drawn);
     for (double& value : drawn) value -= mean;
     const VarianceShares of_draw = shares_of(factors, drawn, 2 * mean_of(variances));
-    // Drawn values contain the noise twice, those of the sweep once.
+    // Drawn values contain the noise twice; measured values contain it once.
     const double scale = 1 / (1 - std::min(0.9, of_draw.noise / 2));
     for (std::size_t f = 0; f < effects.size(); ++f) shares[f].push_back(std::min(1.0, scale * of_draw.axes[f]));
   }
@@ -320,7 +321,7 @@ void find_intervals(const Factors& factors, const std::vector<double>& values, c
   }
 }
 
-/// Tornado tables of all metrics that contain energy.
+/// Returns the tornado tables of all metrics that contain energy: the energy entries that change the ranking most.
 std::string tornado_tables(const Results& results, const std::vector<std::string>& metrics,
                            const std::vector<bool>& selected) {
   EnergyBand band(results, rows_among(selected));

@@ -33,7 +33,7 @@ const Sign* find_sign(std::string_view text) {
   return sign == kSigns.end() ? nullptr : &*sign;
 }
 
-/// Reads a condition from left to right.
+/// Parses the text of a condition from left to right.
 class ConditionReader {
  public:
   explicit ConditionReader(std::string_view text) : text_(text) { skip_blanks(); }
@@ -81,7 +81,7 @@ class ConditionReader {
     return word;
   }
 
-  /// Reads the word `and` between two comparisons. `value`: value before the word, for error messages.
+  /// Reads the word `and` between two comparisons of a condition. `value`: the value before it, for error messages.
   void read_and(const std::string& value) {
     const std::size_t begin = at_;
     while (!at_end() && is_of_word(text_[at_])) ++at_;

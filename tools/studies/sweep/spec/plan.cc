@@ -29,7 +29,7 @@ std::optional<bool> outcome_of(const Term& term, const Operand& left, std::span<
   for (const Operand& right : rights) {
     const std::optional<bool> outcome = compare(left, term.comparison, right);
     if (!outcome && needs_order(term.comparison)) return std::nullopt;
-    if (outcome.value_or(term.comparison == Comparison::kUnequal)) return true;  // values of two kinds are unequal
+    if (outcome.value_or(term.comparison == Comparison::kUnequal)) return true;  // units of two kinds are unequal
   }
   return false;
 }
@@ -66,8 +66,8 @@ bool can_always_compare(const Term& term) {
   return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
 }
 
-/// Returns that term of a condition that holds for the fewest values, among the terms whose outcome is known for every
-/// value of the axis. Returns null if there is none, or if an earlier term of the condition may throw an InputError.
+/// Returns the term of a condition that holds for the fewest axis values. Considers only terms whose outcome is known
+/// for every value of the axis. Returns null if there is none, or if an earlier term may throw an InputError.
 const Term* find_rarest_term(const AxisCondition& condition) {
   const Term* best = nullptr;
   std::ptrdiff_t least = 0;
@@ -109,7 +109,7 @@ namespace {
 
 constexpr std::uint64_t kMostDraws = 1U << 20;  // draws before giving up; they take about a second
 
-/// Scales a number of 32 bits to the index of one of `values` values; all are equally likely.
+/// Maps a random 32-bit number to an index below `values`; all indices are equally likely.
 std::uint32_t scale_to_index(std::uint32_t number, std::uint32_t values) {
   return static_cast<std::uint32_t>((std::uint64_t{number} * values) >> 32);
 }
@@ -170,7 +170,7 @@ std::vector<Choice> choose_combinations(const Subset& subset, std::span<const st
                                         const std::function<bool(const Choice&)>& is_wanted) {
   if (subset.kind == Subset::Kind::kGrid || sizes.empty()) return list_grid(sizes, is_wanted);
   if (subset.kind == Subset::Kind::kLatinHypercube) return draw_latin_hypercube(subset, sizes, is_wanted);
-  const bool takes_all = grid_size(sizes) <= subset.count;  // drawing would take long to find the last ones
+  const bool takes_all = grid_size(sizes) <= subset.count;  // random draws would take long to find the last ones
   if (takes_all) return list_grid(sizes, is_wanted);
   Choice choice(sizes.size());
   if (subset.kind == Subset::Kind::kRandom) {
@@ -184,7 +184,7 @@ std::vector<Choice> choose_combinations(const Subset& subset, std::span<const st
   boost::random::sobol sequence(sizes.size());  // 64 bits a number, axis by axis
   return draw_until(subset.count, is_wanted, [&](std::uint64_t) {
     for (std::size_t a = 0; a < sizes.size(); ++a) {
-      const std::uint64_t shift = sim::hash(subset.seed, a);  // a random shift, which keeps the sequence evenly spread
+      const std::uint64_t shift = sim::hash(subset.seed, a);  // XOR with random bits keeps the sequence evenly spread
       choice[a] = scale_to_index(static_cast<std::uint32_t>((sequence() ^ shift) >> 32), sizes[a]);
     }
     return choice;
@@ -195,13 +195,14 @@ namespace {
 
 constexpr std::size_t kLongestLine = 100'000;  // bytes of a line of points.jsonl
 
-/// Makes the name of a file absolute, relative to the folder of the spec; other names stay.
+/// Returns the absolute path of a file whose name is relative to `folder`. Returns a text that is no file name
+/// unchanged.
 std::string resolve_file_name(const std::string& text, const fs::path& folder) {
   const bool is_file = traces::is_scene_file(text) || text.ends_with(".yaml");
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
-/// Makes the name of a scene file absolute, relative to the folder of the spec. Throws InputError for names that
+/// Returns the absolute path of a scene file whose name is relative to `folder`. Throws InputError for names that
 /// points.jsonl cannot hold.
 std::string resolve_scene_name(const std::string& value, const fs::path& folder) {
   std::string scene = resolve_file_name(value, folder);
@@ -230,7 +231,8 @@ void check_setting(RunConfig base, const std::string& argument) {
   }
 }
 
-/// Throws the InputError that a run with only this change to the base configuration would report.
+/// Checks one axis value; throws the InputError that a run would report if only this value were changed in the base
+/// configuration.
 void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
   if (key == "scene" && !value.empty() && !value.ends_with(".yaml")) check_scene(value);
   if (key == "program") kernels::parse_program(value);
@@ -296,7 +298,8 @@ void check_slicing(const Spec& spec) {
   });
 }
 
-/// True if the line of the point in points.jsonl may be too long. An escaped byte takes six bytes.
+/// True if the point's line in points.jsonl may be too long. The estimate assumes that each byte is escaped, which
+/// takes six bytes.
 bool may_be_long(const Point& point) {
   std::size_t bytes = point.config.size() + point.scene.size() + point.camera.size() + point.error.size();
   for (const auto& [name, value] : point.axes) bytes += name.size() + value.size();
@@ -374,7 +377,7 @@ Point Planner::make_point(const Choice& choice) { return make_point(choice, spec
 Point Planner::make_point(const Choice& choice, const std::string& tile_sampling) {
   Point point = unkeyed_point(spec_, folder_, choice);
   point.tile_sampling = tile_sampling;
-  if (!tile_sampling.empty()) {  // replicates and slices play all tiles
+  if (!tile_sampling.empty()) {  // replicates and slices are not possible with tile sampling
     point.replicates = 1;
     point.slices = 0;
   }

@@ -124,7 +124,8 @@ Point parse_point_line(const std::string& line, const std::string& where) {
 
 namespace {
 
-/// True if points that differ only in the machine can share the recorded work: no picture, sampling or slices.
+/// True if the point may share recorded rays with points that differ only in the machine. Points with a picture, tile
+/// sampling or slices may not.
 bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image && point.slices == 0; }
 
 }  // namespace
@@ -151,7 +152,7 @@ std::string PointKeys::scene_digest(const RunConfig& config) {
   const std::filesystem::path file = traces::scene_file(config.scene.name);
   if (file.empty()) {
     traces::check_builtin_name(config.scene.name);
-    return std::string(kBuiltIn);  // determined by the sources and the keys
+    return std::string(kBuiltIn);  // a built-in scene follows from the program's sources and the keys
   }
   auto digest = digests_.find(file.string());
   if (digest == digests_.end()) {

@@ -13,7 +13,7 @@
 
 namespace tools::sweep {
 
-/// Status of a point, in a store, a batch, a table of results or a search.
+/// Status of a point of a sweep, in a store, a batch, a table of results or a search.
 enum class PointStatus : std::uint8_t {
   kMissing,     ///< not computed
   kLocked,      ///< another process is computing it
@@ -30,12 +30,12 @@ inline std::string_view name_of(PointStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
-/// One simulation, described by options of `raywatt run`; a line of points.jsonl. A point that is cut into slices is
-/// computed slice by slice, and each slice is a point.
+/// A point of a sweep: one simulation, described by options of `raywatt run`. It is a line of points.jsonl. A point
+/// that is cut into slices is computed slice by slice, and each slice is a point.
 struct Point {
   std::uint64_t n = 0;                                    ///< index in the sweep
   std::string id;                                         ///< 64 hexadecimal digits: equal ids, equal results
-  std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as the sweep's file has them
+  std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as written in the sweep's file
   std::string config = "sgrt-2016";
   std::string scene, camera, frames, resolution;             ///< empty: as in the configuration
   std::string program = "full:1", reference, tile_sampling;  ///< the last two are empty if there is none
@@ -45,18 +45,19 @@ struct Point {
   std::uint32_t slice = 0;                                   ///< number of this slice, from 1; 0: the whole point
   std::string whole;                                         ///< id of the whole point of a slice
   std::vector<std::string> sets;                             ///< "key=value"
-  std::string stream;  ///< key of the recorded work, shared by points that differ only in the machine; may be empty
-  std::string error;   ///< reason that it cannot be computed, if its values contradict each other
+  std::string stream;  ///< key of the recorded rays, which points share that differ only in the machine; may be empty
+  std::string
+      error;  ///< reason that the point cannot be computed because its values contradict each other; may be empty
 
   /// True if workers compute the slices of this point separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }
   /// Returns the number of pieces in which workers compute the point: its slices, or 1.
   std::uint32_t piece_count() const { return is_cut() ? slices : 1; }
-  /// Options of the run that computes the point; argv is its command.
+  /// Returns the options of the run that computes the point; their argv is its command line.
   JobOptions run_options() const;
 };
 
-/// A text member of a point, with its key in the files of a sweep and its option of `raywatt run`.
+/// A text member of Point, with the corresponding key in a sweep's files and option of `raywatt run`.
 struct PointText {
   const char* name;    ///< key of the member in the files of a sweep
   const char* option;  ///< option of `raywatt run`
@@ -72,7 +73,7 @@ inline constexpr PointText kPointTexts[] = {
     {"reference", "--reference", &Point::reference, &JobOptions::reference},
     {"tile_sampling", "--tile-sampling", &Point::tile_sampling, &JobOptions::tile_sampling}};
 
-/// Returns the slices of a point in order; none if the point is not divided into slices.
+/// Returns the slices of a point in order; none if it is not cut into slices.
 std::vector<Point> slices_of(const Point& point);
 /// Returns the point that a slice was cut from.
 Point whole_point_of(const Point& slice);
@@ -87,12 +88,12 @@ Point parse_point_line(const std::string& line, const std::string& where);
 /// Text in place of the digest for scenes that are not files.
 inline constexpr std::string_view kBuiltIn = "built-in";
 
-/// Computes ids of points from all that their results depend on. Caches configurations and scene files, because many
-/// points share them.
+/// Computes the ids of points from everything that the results depend on. Caches configurations and digests of scene
+/// files, because many points share them.
 class PointKeys {
  public:
   struct Key {
-    sim::Json made_of;   ///< all that the result depends on
+    sim::Json made_of;   ///< everything that the result depends on
     std::string id;      ///< hash of made_of
     std::string stream;  ///< as in Point
   };
@@ -100,10 +101,10 @@ class PointKeys {
   /// Returns the effective configuration of a point, valid until the next call of a member function. Throws InputError
   /// if the point's values contradict each other.
   const RunConfig& config_of(const Point& point);
-  /// Returns id and stream key of a point. Throws InputError like config_of().
+  /// Returns id and stream (key of the recorded rays) of a point. Throws InputError like config_of().
   Key key_of(const Point& point);
-  /// Sets id and stream of the point. If its values contradict each other, it sets the error, and an id made from the
-  /// values. Throws InputError for a scene file that cannot be read.
+  /// Sets id and stream of a point. If its values contradict each other, sets its error instead, and an id made from
+  /// the values. Throws InputError for a scene file that cannot be read.
   void set_key(Point& point);
 
  private:

@@ -44,7 +44,8 @@ std::string parse_metric_path(std::string_view path, std::string_view text) {
   return std::string(path);
 }
 
-// Path prefixes of metrics with a direction. The longest prefix decides.
+// Path prefixes of metrics of which larger or smaller values are known to be better. The longest matching prefix
+// counts.
 struct MetricDirection {
   std::string_view prefix;
   bool is_larger_better;
@@ -78,12 +79,12 @@ constexpr std::array kMetricDirections = {
     MetricDirection{"totals.area_by_part_mm2", false},
 };
 
-/// True if the path is `group` or below it.
+/// True if a report path equals `group` or begins with `group` and a dot.
 bool is_in_metric_group(std::string_view path, std::string_view group) {
   return path.starts_with(group) && (path.size() == group.size() || path[group.size()] == '.');
 }
 
-/// Smallest number of degrees of freedom that is treated as unlimited.
+/// Number of degrees of freedom from which it counts as infinite.
 constexpr double kEndlessDegrees = 1e6;
 
 /// A value with its standard error and the error's degrees of freedom.
@@ -97,7 +98,7 @@ MetricEstimate metric_estimate(const MeasuredFigure& seen) {
           has_degrees ? static_cast<double>(seen.draws->count) - 1 : kEndlessDegrees};
 }
 
-/// Returns a figure whose noise has this error. `is_measured`: by replicates, so that Student's t applies.
+/// Returns a metric's value with the noise of the estimate. `is_measured`: by replicates, so that Student's t applies.
 MeasuredFigure figure_of_estimate(const MetricEstimate& estimate, bool is_measured) {
   MeasuredFigure out;
   out.value = estimate.value;
@@ -113,7 +114,7 @@ MeasuredFigure figure_of_estimate(const MetricEstimate& estimate, bool is_measur
   return out;
 }
 
-/// Sums independent estimates with weights; degrees of freedom after Welch and Satterthwaite.
+/// Returns `weight` times the sum of independent estimates, with degrees of freedom after Welch and Satterthwaite.
 MetricEstimate weighted_sum(std::span<const MetricEstimate> estimates, double weight) {
   MetricEstimate sum;
   double variance = 0, squares = 0;
@@ -140,7 +141,7 @@ std::optional<MetricEstimate> geomean_estimate(std::vector<MetricEstimate> estim
 }
 
 MetricEstimate worst_estimate(std::span<const MeasuredFigure> figures, bool larger_is_better) {
-  constexpr double kSeparated = 0.05;  // one-sided error of "this workload is better than the worst"
+  constexpr double kSeparated = 0.05;  // significance level of "this workload is better than the worst" (one-sided)
   const auto value_of = [](const MeasuredFigure& seen) { return metric_estimate(seen).value; };
   const MeasuredFigure& worst = larger_is_better ? *std::ranges::min_element(figures, {}, value_of)
                                                  : *std::ranges::max_element(figures, {}, value_of);

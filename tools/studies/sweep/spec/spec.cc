@@ -23,7 +23,7 @@
 namespace tools::sweep {
 namespace {
 
-constexpr std::size_t kMostItems = 10'000;  // a hostile file can name one list in many places
+constexpr std::size_t kMostItems = 10'000;  // a hostile file can repeat one list many times by YAML aliases
 constexpr std::size_t kMostAxes = 64, kMostValues = 10'000, kMostKeys = 64, kMostSettings = 1'000'000;
 constexpr std::uint64_t kMostSpecBytes = 1 << 20;
 constexpr std::string_view kSpecSchema = "raywatt-sweep/1";
@@ -145,7 +145,7 @@ bool is_whole_number_key(const std::string& key) {
   return false;
 }
 
-/// Values of an axis that is given as a range: {from, to, step | count | factor, scale}.
+/// The values of an axis written as a range: {from, to, step | count | factor, scale}.
 class Range {
  public:
   explicit Range(const YamlValue& value) : value_(value) {
@@ -176,7 +176,7 @@ class Range {
     const double from = numbers_["from"].value, to = numbers_["to"].value;
     std::vector<std::string> all;
     const auto add = [&](double number) {
-      // Fewer digits than a double has, so that all hosts round alike.
+      // Fewer digits than a double has, so that the text is the same on all hosts.
       const std::string shown = whole  ? fmt::format("{:.0f}", number)
                                 : log_ ? fmt::format("{:.6g}", number)
                                        : fmt::format("{:.12g}", number);
@@ -219,7 +219,7 @@ class Range {
   bool log_ = false;
 };
 
-/// Reads one value of an axis: a list with a value for each key, or one value for all keys.
+/// Reads one value of an axis: a list with a setting for each key, or one setting for all keys.
 Axis::Value read_row(const YamlValue& value, const Axis& axis) {
   Axis::Value row;
   if (value.is_list()) {
@@ -255,7 +255,7 @@ void check_values(const YamlValue& value, const Axis& axis) {
   if (twice != labels.end()) value.refuse(fmt::format("has '{}' twice", sim::printable(*twice)));
 }
 
-/// True for a name that tables of results already use for another column.
+/// True if an axis may not have this name because tables of results have another column of this name.
 bool is_column(const std::string& name) {
   constexpr std::array<std::string_view, 4> kOwn = {"n", "id", "status", "error"};
   constexpr std::array<std::string_view, 4> kOfReports = {"totals.", "units.", "frames[", "config."};
@@ -297,7 +297,7 @@ Axis read_axis(const YamlValue& value) {
   return axis;
 }
 
-/// Reads the axis `workload`: scenes, each with its camera, frames and resolution if given.
+/// Reads the axis `workload` from a list of workloads: scenes, each with optional camera, frames and resolution.
 Axis read_workloads(const YamlValue& value) {
   constexpr std::array<std::string_view, 5> kKeys = {"name", "scene", "camera", "frames", "resolution"};
   Axis axis{"workload", value.where(), {"scene", "camera", "frames", "resolution"}, {}};
@@ -396,7 +396,7 @@ AxisCondition::Term read_term(const YamlValue& value, std::span<const Axis> axes
   return term;
 }
 
-/// Comparison operands of the values of all axes that conditions name; those of an axis are made once.
+/// Makes the comparison operands for the values of axes. Conditions on the same axis share them.
 class AxisOperands {
  public:
   explicit AxisOperands(std::span<const Axis> axes) : axes_(axes) {}
@@ -522,8 +522,8 @@ void check_schema(const YamlValue& root, std::string_view schema) {
                                         : ""));
 }
 
-/// Refuses a random subset over workloads and machines: each machine would render other workloads, so machines could
-/// not be compared.
+/// Throws InputError for a random subset of a sweep that lists workloads. Each machine would render other workloads, so
+/// machines could not be compared.
 void check_subset(const Spec& spec) {
   if (spec.subset.kind == Subset::Kind::kGrid) return;
   const Axis *workload = nullptr, *machine = nullptr;

@@ -14,11 +14,11 @@
 
 namespace tools::sweep {
 
-/// A value of a YAML file with its position and its path for error messages. The member functions throw InputError for
-/// a value of another kind.
+/// A value of a YAML file, with its position and path for error messages. Member functions throw InputError if the
+/// value is of another kind than they return.
 class YamlValue {
  public:
-  /// The root mapping. `root` must outlive all values.
+  /// Makes the value of a file's root mapping. `root` must outlive all values.
   YamlValue(const sim::YamlNode& root, std::string file) : node_(&root), file_(std::move(file)) {}
 
   bool is_mapping() const { return node_->kind == sim::YamlNode::Kind::kMapping; }
@@ -52,7 +52,7 @@ class YamlValue {
   std::string key_, path_, file_;
 };
 
-/// What a sweep varies: one key of the configuration, several keys together, or what is rendered.
+/// An axis of a sweep. It varies one configuration key, several keys together, or what is rendered.
 struct Axis {
   struct Value {
     std::string label;
@@ -64,10 +64,10 @@ struct Axis {
   std::vector<Value> values;
 };
 
-/// A combination: for each axis the index of its value.
+/// A combination of axis values: for each axis the index of the value.
 using Choice = std::vector<std::uint32_t>;
 
-/// True for axis keys that are not keys of the configuration: scene, camera, frames, resolution, program.
+/// True for a key of an axis that is not a configuration key: scene, camera, frames, resolution, program.
 bool is_work_key(const std::string& key);
 /// True if the axis changes what is rendered: scene, camera, frames or resolution.
 bool changes_workload(const Axis& axis);
@@ -76,23 +76,24 @@ bool changes_workload(const Axis& axis);
 struct AxisCondition {
   struct Side {
     std::size_t axis = 0;
-    /// Which of the axis's keys is compared, as an index in Axis::keys; without it the value's label is compared.
+    /// Index in Axis::keys of the key whose setting is compared; nothing: the value's label is compared.
     std::optional<std::size_t> key;
   };
-  using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< all values of an axis
+  using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< operands of all values of an axis
   struct Term {
     Side left;
     Comparison comparison = Comparison::kEqual;
-    std::vector<Operand> values;  ///< right side: one of these, or
-    std::optional<Side> right;    ///< another axis
+    std::vector<Operand> values;  ///< right side: the term holds if it holds for one of these
+    std::optional<Side> right;    ///< right side if it is another axis
     std::string at;
     Operands lefts, rights;
-    std::vector<std::optional<bool>> outcomes{};  ///< outcome_of() for each left value, compared with `values`
+    std::vector<std::optional<bool>>
+        outcomes{};  ///< for each value of the left axis: outcome_of() its comparison with `values`
   };
   std::vector<Term> terms;
 };
-/// True if the operand `left` compares with at least one of `rights` as the term requires. Returns nothing if an
-/// operand before that one cannot be ordered relative to `left`.
+/// Returns whether `left` compares with at least one operand of `rights` as the term requires. Returns nothing if an
+/// earlier operand of `rights` cannot be compared with `left`.
 std::optional<bool> outcome_of(const AxisCondition::Term& term, const Operand& left, std::span<const Operand> rights);
 
 inline constexpr std::uint64_t kMostPoints = 1'000'000;
@@ -105,12 +106,12 @@ struct Subset {
 
 /// Contents of a sweep's file (docs/sweeps.md).
 struct Spec {
-  std::string question;  ///< what the sweep answers, for readers
+  std::string question;  ///< the question that the sweep answers, for readers
   std::string config = "sgrt-2016";
   std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling;
   bool image = false;
   std::uint32_t replicates = 1;  ///< perturbed repetitions of each point (docs/noise.md)
-  std::uint32_t slices = 0;      ///< slices of each frame (docs/slices.md); 0: frames are played whole
+  std::uint32_t slices = 0;      ///< slices of each frame (docs/slices.md); 0: frames are not cut
   std::vector<std::string> sets;
   std::vector<Axis> axes;  ///< axes of the sweep; the last one varies fastest
   std::vector<AxisCondition> exclude, where;
@@ -119,9 +120,9 @@ struct Spec {
   std::map<std::string, std::string> key_positions;  ///< "file:line:column" of the value of each key
 };
 
-/// Reads a sweep's file. Throws InputError of one line: file, line, column, key, what is wrong, what is allowed.
+/// Reads a sweep's file. Throws InputError with file, line, column, key, error and allowed values.
 Spec read_spec(const std::filesystem::path& file);
-/// Reads those members of another kind of file that describe a sweep. `other_keys`: keys that the caller reads.
+/// Reads the keys of another kind of file that describe a sweep. `other_keys`: keys that the caller reads.
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> other_keys);
 
 }  // namespace tools::sweep

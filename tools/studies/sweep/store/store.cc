@@ -30,14 +30,14 @@ constexpr std::uint64_t kMostPointBytes = std::uint64_t{1} << 30;
 constexpr const char* kPointFile = "point.json";
 const std::string kStreamLock = "stream-";
 
-/// Returns the bytes of a file; nothing unless they match their digest.
+/// Returns the bytes of a result's file; nothing if they do not match the digest.
 std::optional<std::string> read_file_of(const fs::path& folder, const std::string& name, const Json& digests) {
   std::string bytes = sim::read_file(folder / name, kMostPointBytes);
   if (sim::sha256_hex(bytes) != digests.at(name).get<std::string>()) return std::nullopt;
   return bytes;
 }
 
-/// Calls `read`; returns nothing where a file is missing or malformed.
+/// Returns the result of `read`, or nothing if a file is missing or malformed.
 template <class F>
 auto if_sound(F&& read) -> decltype(read()) {
   try {
@@ -58,7 +58,7 @@ Json read_digests(const fs::path& folder, const std::string& id) {
   return point.at("files");
 }
 
-/// Returns the id in a file name "ID...", ".ID..."; empty if there is none.
+/// Returns the point id at the start of a file name, "ID..." or ".ID..."; empty if there is none.
 std::string id_in(std::string name) {
   name = name.substr(name.starts_with('.') ? 1 : 0, 64);
   return name.size() == 64 && name.find_first_not_of("0123456789abcdef") == std::string::npos ? name : std::string();
@@ -233,7 +233,7 @@ namespace {
 constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
-/// Output files that are computed from the results of the points.
+/// Files of a sweep's or search's folder that are computed from the results of its points.
 constexpr std::array<std::string_view, 5> kResults = {"results.csv", "machines.csv", "index.sqlite", "history.jsonl",
                                                       "front.csv"};
 
@@ -243,7 +243,7 @@ bool is_stale(const fs::directory_entry& entry) {
   return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_temporary_name(name, file); });
 }
 
-/// True for a file or folder that a run may have left in a new folder when it was killed at its start.
+/// True for a file or folder that a run may leave in a new folder if it is killed while it starts.
 bool is_left_by_killed_start(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
   return name == "lock" || name == "log" || is_stale(entry);
@@ -295,7 +295,7 @@ void make_named_folder(const fs::path& path) {
   }
 }
 
-/// Throws InputError for a folder with other contents than a sweep or a search of this kind.
+/// Throws InputError for a folder that is neither empty nor of a sweep (or search). `of`: "sweep" or "search".
 void check_contents(const fs::path& path, std::string_view of) {
   const std::string shown = sim::printable(path.string());
   std::error_code failed;
