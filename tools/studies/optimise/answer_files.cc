@@ -13,7 +13,7 @@ using sim::Json;
 
 namespace {
 
-/// Returns the values of a machine on each workload: {workload, status, whole, command, values, errors, met}.
+/// Returns a machine's results as JSON, per workload: {workload, status, whole, command, values, errors, met}.
 Json runs_json(const SearchRun& search, const std::vector<WorkloadRun>& runs) {
   Json all = Json::array();
   for (std::size_t w = 0; w < runs.size(); ++w) {

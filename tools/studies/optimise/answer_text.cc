@@ -33,8 +33,8 @@ std::vector<const Trial*> done_trials(const SearchRun& search) {
   return all;
 }
 
-/// Returns how many points meet each constraint on all workloads: "perf.fps >= 60: 20, power_w.nominal < 1: 25". Points
-/// that were ruled out early do not count, because their other workloads are unknown.
+/// Returns as text how many points meet each constraint on all workloads: "perf.fps >= 60: 20, area_mm2 < 1: 25".
+/// Points that were ruled out early do not count, because their other workloads are unknown.
 std::string met_text(const SearchRun& search) {
   const std::vector<const Trial*> all = done_trials(search);
   std::vector<std::string> each;
@@ -49,7 +49,7 @@ std::string met_text(const SearchRun& search) {
   return fmt::format("{}", fmt::join(each, ", "));
 }
 
-/// Returns how many points are feasible; empty without constraints.
+/// Returns as text how many points are feasible; empty without constraints.
 std::string feasible_text(const SearchRun& search) {
   const std::string met = met_text(search);
   if (met.empty()) return "";
@@ -76,7 +76,8 @@ std::string doubtful_text(const SearchRun& search, const std::vector<const Trial
   return text;
 }
 
-/// Lists the extrapolated metrics of the points in `answer`, then the other points that have extrapolated metrics.
+/// Lists warnings about extrapolated metrics of the points in `answer`, then all other points with extrapolated
+/// metrics.
 std::string extrapolations_text(const SearchRun& search, const std::vector<const Trial*>& answer) {
   std::map<std::string, std::vector<std::size_t>> lines;
   for (const Trial* trial : answer) {
@@ -139,7 +140,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
   return table.text();
 }
 
-/// Lists points that are equal to the front within noise, and names the source of the noise.
+/// Lists points that are within noise of the Pareto front, and names the source of the noise.
 std::string near_text(const SearchRun& search) {
   const std::string noise = noise_text(search);
   if (noise.empty()) return "";
@@ -154,7 +155,7 @@ std::string near_text(const SearchRun& search) {
   return text + (all > near.size() ? fmt::format("and {} more in history.jsonl\n", all - near.size()) : "");
 }
 
-/// Returns the goals of a machine on each workload: value, room to the limit, and whether it is met.
+/// Returns a table of a machine's goals on each workload: value, distance to the limit, and whether the limit is met.
 std::string workloads_text(const SearchRun& search, const Trial& trial) {
   sim::Table table({"workload", "frames", "goal", "value", "room", "met"});
   const std::vector<WorkloadRun>& runs = trial.best_runs();

@@ -116,7 +116,7 @@ void Evaluator::set_goal_values(Trial& trial) const {
     std::vector<sweep::WorkloadValue> values = values_of(runs, g);
     const bool is_each = goal.fold == Fold::kEach || goal.fold == Fold::kWorst;
     const bool is_incomplete = std::ranges::any_of(values, [](const auto& v) { return !v.seen; });
-    // A machine that was ruled out shows the worst of the workloads on which it was simulated.
+    // For a machine that was ruled out, the worst of the simulated workloads is used.
     if (is_each && (!goal.is_objective() || sweep::is_metric_of_machine(goal.metric))) {
       std::erase_if(values, [](const auto& v) { return !v.seen; });
     }
@@ -136,7 +136,7 @@ void Evaluator::set_goal_values(Trial& trial) const {
 
 Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
   const std::vector<WorkloadRun>& runs = trial.best_runs();
-  std::vector<std::vector<FigureSpread>> spreads;  // by workload and goal
+  std::vector<std::vector<FigureSpread>> spreads;  // by workload, then goal
   for (const WorkloadRun& run : runs) {
     std::vector<FigureSpread>& of_run = spreads.emplace_back();
     const std::optional<std::string> bytes = store.read_report(run.point.id);
@@ -156,7 +156,7 @@ Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
       const auto seen = sweep::evaluate_set_metric(goal.set_metric(), values, goal.is_larger_better());
       drawn[g].push_back(seen ? seen->value : 0);
       double chance = seen && !goal.is_objective() ? probability_met(goal, *seen) : 1;
-      // On each workload: their noise is independent. The area is that of one machine.
+      // The limit must be met on each workload. Their noise is independent, except that the area is the same on all.
       if (!goal.is_objective() && goal.is_on_each() && !sweep::is_metric_of_machine(goal.metric)) {
         chance = 1;
         for (const sweep::WorkloadValue& value : values) chance *= probability_met(goal, *value.seen);

@@ -20,11 +20,11 @@ using sweep::PointStatus;
 struct WorkloadRun {
   sweep::Point point;
   PointStatus status = PointStatus::kMissing;  ///< kMissing: not simulated
-  std::vector<MeasuredFigure> seen;            ///< by goal: its metric on this workload, with its noise
-  /// By goal: the value that is compared with a limit. With a confidence, a quantile of `seen`.
+  std::vector<MeasuredFigure> seen;            ///< by goal: value of the goal's metric on this workload, with its noise
+  /// By goal: the value that is compared with the limit. If the task requires a confidence, it is a quantile of `seen`.
   std::vector<double> compared;
   std::string error;                        ///< reason that there are no metrics
-  std::vector<std::string> extrapolations;  ///< warnings of its report about extrapolated metrics
+  std::vector<std::string> extrapolations;  ///< warnings of the report about extrapolated metrics
 
   bool is_done() const { return sweep::is_done(status) && !seen.empty(); }
 };
@@ -33,64 +33,65 @@ struct WorkloadRun {
 struct Trial {
   Choice choice;                                          ///< values of the machine's axes
   std::vector<std::pair<std::string, std::string>> axes;  ///< names and values
-  std::string id;                                         ///< of its point on the first workload
+  std::string id;                                         ///< id of the machine's point on the first workload
   PointStatus status = PointStatus::kDone;                ///< kDone, kFailed or kImpossible
-  bool is_look = false;                                   ///< approximate: simulated with tile sampling
+  bool is_look = false;                                   ///< a first look: simulated approximately, with tile sampling
   bool is_feasible = false;                               ///< it meets all constraints
   std::uint32_t batch = 0;                                ///< number of the batch in which it was simulated
   std::vector<WorkloadRun> runs;                          ///< by workload
   std::vector<WorkloadRun> whole;                         ///< by workload: whole frames; empty if not simulated
-  std::vector<std::optional<MeasuredFigure>> seen;        ///< by goal; nothing if workloads are missing
-  std::vector<std::optional<double>> compared;            ///< by goal: the value that is compared with its limit
-  std::optional<std::size_t> ruled_out_by;                ///< workload that broke a limit beyond the noise
-  std::string error;                                      ///< reason that there are no metrics
+  std::vector<std::optional<MeasuredFigure>> seen;  ///< by goal: value with noise; nothing if a workload has no result
+  std::vector<std::optional<double>> compared;      ///< by goal: the value that is compared with its limit
+  std::optional<std::size_t> ruled_out_by;  ///< workload that broke a limit beyond noise; later ones are skipped
+  std::string error;                        ///< reason that there are no metrics
 
   const std::vector<WorkloadRun>& best_runs() const { return whole.empty() ? runs : whole; }
-  /// Returns the value of a goal that has one.
+  /// Returns the value of a goal. The goal must have a value.
   double value(std::size_t goal) const { return seen[goal]->value; }
   /// True if all its goals have values.
   bool is_complete() const;
-  /// True if no workload was skipped.
+  /// True if every workload has a result.
   bool is_on_all_workloads() const { return std::ranges::all_of(best_runs(), &WorkloadRun::is_done); }
   /// True if a workload was simulated by sampled tiles.
   bool is_sampled() const {
     return std::ranges::any_of(best_runs(), [](const WorkloadRun& run) { return !run.point.tile_sampling.empty(); });
   }
-  std::vector<std::string> extrapolations() const;  ///< of all its workloads, each once
+  std::vector<std::string> extrapolations() const;  ///< warnings of all workloads, without duplicates
 };
 
 /// Probabilities that a machine meets its limits.
 struct Odds {
   std::vector<double> met;  ///< by goal; 1 for objectives
-  double all = 0;           ///< that all limits are met
-  /// By goal: the values that 10 % and 90 % of the draws of the tables are below, without noise.
+  double all = 0;           ///< probability that all limits are met
+  /// By goal: its 10 % and 90 % quantile over random draws of the energy and area tables, without noise.
   std::vector<std::pair<double, double>> bands;
 };
 
-/// Reads results of simulations as values of the goals.
+/// Computes the values of a search's goals from the results of simulations.
 class Evaluator {
  public:
   /// `workloads`: at least one name.
   Evaluator(std::vector<Goal> goals, std::vector<std::string> workloads, double confidence, std::string file)
       : goals_(std::move(goals)), workloads_(std::move(workloads)), confidence_(confidence), file_(std::move(file)) {}
 
-  /// Goals; their metrics have full report paths after the first report.
+  /// The goals. Their metrics become full report paths when the first report is read.
   const std::vector<Goal>& goals() const { return goals_; }
   const std::vector<std::string>& workloads() const { return workloads_; }
 
-  /// Reads the report of a finished run. A missing metric sets the status to kFailed. Throws InputError, the first
-  /// time, for a metric that reports do not have.
+  /// Reads the goals' metrics from the report of a finished run. A missing metric sets the run's status to kFailed. At
+  /// the first report, a metric that no report has throws InputError.
   void read_run(WorkloadRun& run, const sweep::Store& store);
-  /// True if a goal needs this workload.
+  /// True if the value of a goal depends on this workload.
   bool needs_workload(const Goal& goal, std::size_t workload) const;
-  /// Returns the first constraint that this workload alone breaks by more than the noise.
+  /// Returns the first constraint that the result on this workload alone breaks by more than the noise.
   std::optional<std::size_t> find_broken_limit(const WorkloadRun& run, std::size_t workload) const;
-  /// True for a machine that breaks limits, but none by more than the noise. It ran on all workloads.
+  /// True if a machine has results on all workloads and breaks limits, but none by more than the noise.
   bool is_doubtful(const Trial& trial) const;
   /// Sets `seen` and `is_feasible` of a machine from its runs.
   void set_goal_values(Trial& trial) const;
 
-  /// Returns the probabilities that a machine meets its limits, by the noise and the bands of the tables.
+  /// Returns the probabilities that a machine meets its limits, given the noise and the uncertainty of the energy and
+  /// area tables.
   Odds odds_of(const Trial& trial, const sweep::Store& store) const;
 
  private:

@@ -10,9 +10,9 @@
 namespace tools::optimise {
 namespace {
 
-constexpr double kError = 0.05;  // family-wise error: probability that a point equal to the front is left out
+constexpr double kError = 0.05;  // family-wise error: probability that a point as good as the front is left out
 
-/// Compares two points under noise.
+/// Compares simulated points under noise.
 class Comparator {
  public:
   explicit Comparator(const SearchRun& search) {
@@ -21,7 +21,7 @@ class Comparator {
     }
   }
   std::size_t objective_count() const { return most_.size(); }
-  /// True if the metric of `a` is better, noise ignored.
+  /// True if the value of an objective is better for `a` than for `b`, ignoring noise.
   bool is_better(const Trial& a, const Trial& b, std::size_t objective) const {
     return most_[objective] ? a.value(objective) > b.value(objective) : a.value(objective) < b.value(objective);
   }
@@ -63,9 +63,9 @@ std::vector<const Trial*> ties_with(const Trial& first, const std::vector<const 
 
 }  // namespace
 
-/// Returns feasible points off the front that equal it within noise, the best in the first objective first. One
-/// objective: points that a one-sided test does not find worse than the best (Holm, 5 % family-wise error). Two: points
-/// that no other dominates by more than the noise (Bonferroni).
+/// Returns feasible points that are within noise of the Pareto front but not on it, from the best in the first
+/// objective on. With one objective, they are not significantly worse than the best point (one-sided tests, Holm
+/// correction, 5 % family-wise error). With two, no other point dominates them significantly (Bonferroni correction).
 std::vector<const Trial*> near_front(const SearchRun& search) {
   const Comparator comparator(search);
   const std::vector<const Trial*> all = search.feasible_trials(), front = search.pareto_front();

@@ -52,7 +52,7 @@ std::string check_command(const Options& options, const fs::path& out) {
   return command_text(words);
 }
 
-/// Removes the recorded work of the points, unless another process records it.
+/// Removes the recorded rays of the points, unless another process is recording them.
 void remove_streams(const std::vector<Point>& points, const sweep::Store& store) {
   std::set<std::string> streams;
   for (const Point& point : points) {
@@ -63,7 +63,8 @@ void remove_streams(const std::vector<Point>& points, const sweep::Store& store)
   }
 }
 
-/// Returns the answer with what follows from its results: trades around the best machine and probabilities.
+/// Makes the answer of a finished search: adds the trades of the best machine and the probabilities that it meets its
+/// limits.
 Answer make_answer(SearchRun& search, const sweep::Store& store) {
   Answer answer{search};
   const Trial* const best = answer.best();
@@ -94,7 +95,7 @@ int run(const Options& options, Task task, const std::string& text,
   const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::FolderKind::kSearch);
   if (!lock)
     throw sim::InputError(fmt::format("{}: folder is locked by another process", sim::printable(out.string())));
-  // Workers of an interrupted search that still run find their points in sweep.json.
+  // Workers of an interrupted search may still run. Their points must stay in sweep.json.
   std::vector<Point> former;
   if (fs::exists(out / "sweep.json")) former = SweepFolder::open(out).read_points();
   const auto write_points = [&](std::vector<Point> points, const std::vector<Point>& others) {
@@ -108,7 +109,7 @@ int run(const Options& options, Task task, const std::string& text,
   const sweep::Store store = folder.store();
   store.remove_stale();
   LauncherOptions how = options;
-  how.keep_streams = true;  // recorded once for all batches
+  how.keep_streams = true;  // rays are recorded once for all batches
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(how, folder);
 
   Progress progress(options.progress, options.quiet);

@@ -13,22 +13,22 @@ namespace tools::optimise {
 
 class SearchRun;
 
-/// Options of `raywatt optimise`. They override the options in the search's file.
+/// Options of `raywatt optimise`. They override the settings in the search's file.
 struct Options : LauncherOptions {
   std::filesystem::path file, out, store;
   std::optional<std::uint64_t> budget, seed;
   std::string fidelity;
   std::vector<std::string> sets;  ///< "key=value", in addition to those of the file
   std::optional<double> confidence;
-  bool check = false;  ///< simulate whole frames of the front
+  bool check = false;  ///< simulate whole frames of all machines on the front
   bool quiet = false, prints_answer = true;
   std::string progress = "auto";
 };
 
 /// Runs a search and writes history.jsonl and front.csv. Returns kCheckFailed if no point is feasible or some failed.
 int run(const Options& options);
-/// Runs a search that has been read from `options.file` or made from it. `text`: a search's file that describes it;
-/// `on_end`: called after the last simulation.
+/// Runs the search `task`, which was read or derived from `options.file`. `text`: contents of a file that describes the
+/// search. `on_end`: called after the last simulation.
 int run(const Options& options, Task task, const std::string& text,
         const std::function<void(const SearchRun& search)>& on_end = {});
 

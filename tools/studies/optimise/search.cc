@@ -21,7 +21,7 @@
 namespace tools::optimise {
 
 constexpr double kCorner = -0.1;             // reference point of the hypervolume; the worst score is 0
-constexpr double kUncertaintyWeight = 1e-6;  // decides between points if no gain is expected
+constexpr double kUncertaintyWeight = 1e-6;  // for points without expected gain
 
 /// Nodes and weights of a Gauss-Hermite quadrature over a normal distribution.
 constexpr std::array<double, 5> kNodes = {-2.8569700138728056, -1.3556261799742657, 0, 1.3556261799742657,
@@ -29,10 +29,10 @@ constexpr std::array<double, 5> kNodes = {-2.8569700138728056, -1.35562617997426
 constexpr std::array<double, 5> kWeights = {0.0112574113277207, 0.2220759220056126, 0.5333333333333333,
                                             0.2220759220056126, 0.0112574113277207};
 
-/// Draws of a quasi-random normal sequence that estimate a combination of several figures.
+/// Number of quasi-random draws that estimate a goal that combines several workloads.
 constexpr std::size_t kCombinationDraws = 128;
 
-/// Returns a quasi-random standard normal number: a van der Corput sequence in the base of a prime.
+/// Returns a quasi-random standard normal number, from the van der Corput sequence in the base kPrimes[dimension].
 double normal_draw(std::size_t draw, std::size_t dimension) {
   constexpr std::array<std::size_t, 12> kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
   const std::size_t base = kPrimes.at(dimension);
@@ -41,7 +41,7 @@ double normal_draw(std::size_t draw, std::size_t dimension) {
     weight /= static_cast<double>(base);
     share += weight * static_cast<double>(n % base);
   }
-  // long double would be initialised when the program starts, and fails under profilers with 64-bit floating point.
+  // No long double: boost initialises it at program start, which fails under profilers with 64-bit floating point.
   using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
   return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1, Policy());
 }
@@ -64,13 +64,15 @@ double GoalFigures::combine(std::span<const double> values) const {
 
 /// Surrogates fitted to all results, and the acquisition value of each point.
 ///
-/// 1. The figures of all points are modelled, feasible or not. Scores are scaled by the range over all points, so that
-///    the scale does not depend on how many points are feasible.
-/// 2. Until a point is feasible, the acquisition value is the probability of being feasible.
-/// 3. After that it is this probability times the expected gain: for one objective the improvement over the best
-///    feasible point in closed form, for two the hypervolume gain by quadrature.
-/// 4. A chosen point counts with its estimate for the rest of the batch, as feasible if that is likely.
-/// 5. A goal of several figures is estimated by draws of independent estimates of its figures.
+/// 1. The models use the results of all points, feasible or not. Scores are scaled by their range over all points, so
+///    that the scale does not depend on how many points are feasible.
+/// 2. While no simulated point is feasible, the acquisition value of a point is the probability that it is feasible.
+/// 3. After that it is this probability times the expected gain. For one objective, the gain is the improvement over
+///    the best feasible point, in closed form. For two, it is the hypervolume gain, by quadrature.
+/// 4. A point chosen for a batch counts as simulated with its estimate when the next one is chosen. It counts as
+///    feasible if that is likely.
+/// 5. A goal that combines several workloads is estimated by independent random draws of the estimates on each
+///    workload.
 class Search::Models {
  public:
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
@@ -96,7 +98,7 @@ class Search::Models {
   struct Estimated {
     std::vector<Estimate> metrics;      ///< estimates of the objectives, on the scale of their models
     double log_feasible = 0;            ///< log probability that the point can be simulated and meets all constraints
-    std::optional<double> log_value{};  ///< the logarithm of the acquisition value, if it was needed
+    std::optional<double> log_value{};  ///< logarithm of the acquisition value, computed when it is first needed
   };
 
   Estimated& estimate_at(const Choice& point) {
@@ -137,7 +139,8 @@ class Search::Models {
     return *e.log_value;
   }
 
-  /// Returns the estimate of a figure in its own unit; nothing without results.
+  /// Returns the estimate of a figure (a metric on one workload) in the metric's unit, not on the model's scale;
+  /// nothing if it has no results.
   std::optional<Estimate> plain_estimate(std::size_t figure, const Choice& point) const {
     if (!search_.has_values(figure)) return std::nullopt;
     const Estimate e = estimate_figure(figure, point);
@@ -146,7 +149,7 @@ class Search::Models {
     return Estimate{from_figure_scale(figure, e.mean), (high - low) / 2};
   }
 
-  /// Adds the point with its expected figures (Kriging believer).
+  /// Treats the point as if it had been simulated, with its estimates as results (Kriging believer).
   void assume_estimate(const Choice& point) {
     if (const Estimated& e = estimate_at(point); e.log_feasible >= std::log(0.5)) add_feasible(e);
     for (std::size_t f = 0; f < search_.surrogates_.size(); ++f) {
@@ -161,7 +164,7 @@ class Search::Models {
  private:
   const GoalFigures& figures_of(std::size_t goal) const { return search_.options_.figures[goal]; }
 
-  /// Returns the estimate of a figure on the scale of its model.
+  /// Returns the estimate of a figure (a metric on one workload) on the scale of its model, which may be logarithmic.
   Estimate estimate_figure(std::size_t figure, const Choice& point) const {
     if (search_.is_exact(figure)) return {search_.exact_figure(figure, point), 0};
     return search_.surrogates_[figure].estimate_at(point);
@@ -172,7 +175,8 @@ class Search::Models {
   double to_figure_scale(std::size_t figure, double value) const {
     return search_.is_exact(figure) ? value : search_.surrogates_[figure].to_model_scale(value);
   }
-  // A goal of one figure has the scale of the figure; of several, their own units.
+  // The scale of a goal is that of its metric's model. For a goal that combines several workloads it is the metric's
+  // unit.
   double from_goal_scale(std::size_t goal, double value) const {
     const std::vector<std::size_t>& figures = figures_of(goal).figures;
     return figures.size() == 1 ? from_figure_scale(figures.front(), value) : value;
@@ -186,7 +190,7 @@ class Search::Models {
     return std::ranges::all_of(figures_of(goal).figures, [&](std::size_t f) { return search_.has_values(f); });
   }
 
-  /// Returns the estimate of a goal on its scale (rule 5).
+  /// Returns the estimate of a goal on the goal's scale (rule 5).
   Estimate estimate_goal(std::size_t goal, const Choice& point) const {
     const std::vector<std::size_t>& figures = figures_of(goal).figures;
     if (!has_values(goal)) return {0, 1};
@@ -208,10 +212,11 @@ class Search::Models {
     return {mean, std::sqrt(std::max(sum2 / kCombinationDraws - mean * mean, 0.0))};
   }
 
-  /// Returns the log probability that a constraint is met. Figures without any result do not count.
+  /// Returns the log probability that a constraint is met at a point. Metrics without any result are ignored.
   double log_probability_of(std::size_t g, const Choice& point) const {
     const Goal& goal = search_.goals_[g];
-    // Met on each workload: a worst value in the direction of the limit. All else needs the combined value.
+    // A limit on the worst value must be met on each workload, so that probabilities multiply. Other goals need the
+    // combined value.
     const bool is_on_each =
         figures_of(g).rule == GoalFigures::Rule::kWorst &&
         (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper_limit());
@@ -246,7 +251,8 @@ class Search::Models {
   /// Returns the value, negated if the objective is minimised.
   double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
-  /// Returns an objective of a simulated point on its scale; a noisy one is replaced by its estimate.
+  /// Returns an objective's value at a simulated point, on the objective's scale. A noisy value is replaced by its
+  /// estimate.
   double smoothed_goal(const Choice& point, std::size_t objective) const {
     const auto is_noisy = [&](std::size_t f) { return search_.errors_[f].contains(point); };
     if (std::ranges::any_of(figures_of(objective).figures, is_noisy)) return estimate_goal(objective, point).mean;
@@ -289,7 +295,7 @@ class Search::Models {
   Search& search_;
   const NormalDraws& normal_draws_ = normal_draws();
   bool any_failed_ = false;
-  /// By objective: lowest score, and range of the scores, over all points with metrics.
+  /// By objective: lowest value (negated if minimised) and range of the values, over all points with results.
   std::vector<double> low_, range_;
   bool has_feasible_ = false;
   double best_ = -std::numeric_limits<double>::infinity();  ///< best value of a single objective over feasible points,
@@ -300,13 +306,13 @@ class Search::Models {
 
 namespace {
 
-constexpr std::uint64_t kSmallSpace = 1U << 12;  // up to this size all points are candidates
+constexpr std::uint64_t kSmallSpace = 1U << 12;  // number of points up to which all points of a space are candidates
 constexpr std::uint64_t kMostDraws = 1U << 20;   // attempts to draw a valid point of a larger space
 constexpr std::uint32_t kGenerations = 30;       // generations of NSGA-II
 constexpr std::size_t kRandom = 32;              // random candidates, in addition to those of NSGA-II
-constexpr std::size_t kRanked = 64;              // candidates rated again after each choice of a batch
+constexpr std::size_t kRanked = 64;  // best candidates, which are evaluated again after each choice for a batch
 constexpr double kForbidden = 1e9, kKnown = 1e6, kInfeasible = 3;  // penalties; scores are about 0 to 1
-constexpr double kHopeless = 1e5;  // largest fitness of a new point; NSGA-II needs finite numbers
+constexpr double kHopeless = 1e5;  // upper bound of the fitness of a new point, because NSGA-II needs finite numbers
 
 /// Orders points by a hash of the seed, so that ties do not favour a corner of the space.
 void shuffle_points(std::vector<Choice>& points, std::uint64_t seed) {
@@ -318,7 +324,8 @@ void shuffle_points(std::vector<Choice>& points, std::uint64_t seed) {
 }
 
 /// Returns a penalty of 0 to 1 for a point that may break limits. `log_feasible`: logarithm of the probability that it
-/// meets all limits. 0 if this probability is at least that of a normal value `optimism` deviations above its mean.
+/// meets all limits. The penalty is 0 if this probability is at least that of a normal value above mean plus `optimism`
+/// standard deviations.
 double infeasibility_penalty(double log_feasible, double optimism) {
   const double short_of = std::max(log_normal_cdf(-optimism) - log_feasible, 0.0);
   return std::isfinite(short_of) ? short_of / (1 + short_of) : 1;
@@ -415,7 +422,7 @@ void Search::add_first_look(const Choice& point, const FigureValues& figures) {
   }
 }
 
-/// Draws a random combination of axis values, which may be invalid.
+/// Draws a random combination of axis values, which need not be allowed (Space::is_wanted).
 Choice Search::draw_point() {
   Choice point(sizes_.size());
   ++draws_;
@@ -483,8 +490,8 @@ std::vector<Choice> Search::neighbours_of_front() const {
   return near;
 }
 
-/// Runs NSGA-II on the estimates. A search with one objective uses the acquisition value as a second one, so that both
-/// good and uncertain points are found.
+/// Runs NSGA-II on the estimates. With one objective, the acquisition value is the second objective of NSGA-II, so that
+/// it finds both good and uncertain points.
 std::vector<Choice> Search::evolve_points(Models& models, double optimism, std::uint64_t seed) {
   if (genes_.empty()) return {};
   const auto to_point = [&](const Choice& genes) {
@@ -524,8 +531,8 @@ std::vector<Choice> Search::evolve_points(Models& models, double optimism, std::
   return points;
 }
 
-/// Returns the candidates: all points of a small space; of a large one those of NSGA-II, neighbours of the front and
-/// random ones.
+/// Returns the candidates among which the next points are chosen. In a small space they are all points; in a large one
+/// those of NSGA-II, neighbours of the front and random ones.
 std::vector<Choice> Search::find_candidates(Models& models, std::size_t count) {
   std::set<Choice> points;
   const auto add = [&](const std::vector<Choice>& more) {

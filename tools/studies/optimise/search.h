@@ -13,32 +13,34 @@
 
 namespace tools::optimise {
 
-/// Search space: its axes, and a predicate for the combinations that may be proposed.
+/// A search space: its axes, and a predicate that is true for combinations of values that may be proposed.
 struct Space {
   std::vector<AxisShape> axes;
   std::function<bool(const Choice&)> is_wanted;
 };
 
-/// Figures that a goal combines, as indices: one, or one per workload.
+/// The metrics that a goal combines, as indices. Each index is one metric on one workload ("figure").
 struct GoalFigures {
   enum class Rule : std::uint8_t { kWorst, kMean, kGeomean };
   std::vector<std::size_t> figures;
   Rule rule = Rule::kWorst;
   bool larger_is_better = true;  ///< the smallest value is the worst
-  /// Returns the value of the goal. `values`: one per entry of `figures`.
+  /// Combines the values of a goal's metrics into the value of the goal. `values`: one per entry of `figures`.
   double combine(std::span<const double> values) const;
 };
 
-/// A figure of a point; absent if it was not simulated.
+/// The values of a point's metrics, one per metric and workload; nothing for a value that was not simulated.
 using FigureValues = std::vector<std::optional<double>>;
 
 /// Bayesian optimisation of one or two objectives under constraints. The caller simulates the proposed points.
 ///
 /// 1. The first points are spread over the space.
-/// 2. Then a Surrogate of each figure estimates it at all points, and NSGA-II searches the estimates.
-/// 3. The points with the largest expected hypervolume gain are proposed.
-/// 4. Noise is not optimised: noisy figures are smoothed, and simulated points count with their smoothed values.
-/// 5. A constraint on several workloads is met if it is met on each of them.
+/// 2. Then a Surrogate of each figure (a metric on one workload) estimates it at all points. NSGA-II searches the
+///    estimates for candidates.
+/// 3. The candidates with the largest expected hypervolume gain are proposed.
+/// 4. Noisy figures are smoothed. Simulated points count with their smoothed values, so that lucky noise is not
+///    optimised.
+/// 5. A constraint on several workloads must be met on each of them.
 ///
 /// The same seed and the same results lead to the same points.
 class Search {
@@ -46,42 +48,46 @@ class Search {
   struct Options {
     std::uint64_t seed = 1;
     std::uint32_t population = 40;  ///< population of NSGA-II; a multiple of 4, at least 8
-    /// Figures of each goal; empty: one figure per goal.
+    /// By goal: the figures that it combines. Empty: each goal has one figure of its own.
     std::vector<GoalFigures> figures{};
-    /// By figure: computes it exactly without a simulation; null for most. May be shorter than the list of figures.
+    /// By figure: a function that computes it exactly without a simulation, or null. May be shorter than the list of
+    /// figures.
     std::vector<std::function<double(const Choice&)>> exact{};
   };
   /// `goals`: one or two objectives, then constraints.
   Search(Space space, std::vector<Goal> goals, const Options& options);
 
-  /// Returns `count` new points without a result; fewer if no others can be found or can be better.
+  /// Returns `count` points to simulate next. Returns fewer if no other points exist or could be better.
   std::vector<Choice> propose_points(std::size_t count);
 
-  /// Adds the figures of a point, or none if it cannot be simulated, which removes earlier ones. `errors`: standard
-  /// deviations of noisy figures; `are_bounds`: they are assumed upper bounds, not measured.
+  /// Adds the result of a point: its metrics on all workloads, or nothing if it cannot be simulated, which removes an
+  /// earlier result. `errors`: standard errors of noisy metrics; `are_bounds`: they are assumed upper bounds, not
+  /// measured.
   void add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
-  /// Adds the simulated figures of a point. A point that lacks figures is not feasible.
+  /// Adds the result of a point on some workloads only. A point without results on all workloads is not feasible.
   void add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
                           bool are_bounds);
-  /// Replaces the figures of a point by more accurate ones.
+  /// Replaces the result of a point by a more accurate one.
   void replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
                       bool are_bounds);
-  /// Adds the approximate figures of a first look at a point. The point may still be proposed.
+  /// Adds the approximate result of a first look at a point. The point may still be proposed.
   void add_first_look(const Choice& point, const FigureValues& figures);
 
-  /// Scores of the points with a result that meet all constraints.
+  /// Returns the scores of all simulated points that meet all constraints.
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }
   /// Returns the score of a point with these values of the goals.
   Score score_of(std::span<const double> values) const;
-  /// Returns the points that differ from a point in one axis: the next values of an ordered axis, all of another.
+  /// Returns the points that differ from a point in one axis: by one step of an ordered axis, or by any value of
+  /// another.
   std::vector<Choice> neighbours_of(const Choice& point) const;
   bool is_wanted(const Choice& point) const { return space_.is_wanted(point); }
   bool is_known(const Choice& point) const { return results_known_.contains(point); }
-  /// Fits the surrogates to all results and returns the estimates of all figures of each point; none for a figure
-  /// without results.
+  /// Fits the surrogates to all results. Returns, for each point, the estimates of all metrics on all workloads;
+  /// nothing where there are no results.
   std::vector<std::vector<std::optional<Estimate>>> estimate_figures(std::span<const Choice> points);
-  /// Combines estimates of all figures into that of a goal; nothing if one that the goal needs is missing.
+  /// Computes the estimate of a goal from the estimates of its metric on each workload; nothing if one of them is
+  /// missing.
   std::optional<Estimate> combine_estimates(std::size_t goal, std::span<const std::optional<Estimate>> figures) const;
 
  private:
@@ -97,7 +103,7 @@ class Search {
   bool is_exact(std::size_t figure) const { return figure < options_.exact.size() && options_.exact[figure]; }
   double exact_figure(std::size_t figure, const Choice& point);
   bool has_values(std::size_t figure) const { return is_exact(figure) || !values_[figure].empty(); }
-  /// Returns the value of a goal at a simulated point; nothing if a figure is missing.
+  /// Returns the value of a goal at a simulated point; nothing if a workload that it needs has no result.
   std::optional<double> goal_value(std::size_t goal, const Choice& point) const;
 
   const Space space_;
@@ -108,13 +114,13 @@ class Search {
   std::vector<std::uint32_t> sizes_;
   std::vector<Choice> all_;  ///< all points of a small space
 
-  std::map<Choice, bool> results_known_;  ///< false: it cannot be simulated
-  /// By figure: simulated values, their errors, and values of first looks.
+  std::map<Choice, bool> results_known_;  ///< simulated points; false: the point cannot be simulated
+  /// By figure: simulated values, their errors, and values of first looks (approximate simulations).
   std::vector<Surrogate::Values> values_, errors_, looks_;
   std::vector<std::map<Choice, double>> exact_;  ///< by figure: values computed so far
   bool errors_are_upper_bounds_ = false;
   std::map<Choice, Score> feasible_scores_;
-  std::vector<Surrogate> surrogates_;  ///< one per figure, then one for whether a point can be simulated
+  std::vector<Surrogate> surrogates_;  ///< one per figure, then one that predicts whether a point can be simulated
   std::uint64_t draws_ = 0;
 };
 

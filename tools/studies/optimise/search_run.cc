@@ -25,11 +25,13 @@ using Fold = sweep::SetMetric::Kind;
 constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget is spread over the space
 constexpr std::uint64_t kNeighbourShare = 4;   // at most a quarter of the budget goes to neighbours of the best machine
 constexpr int kMostDoubtful = 4;               // doubtful machines simulated whole
-constexpr std::size_t kLooksPerPoint = 4;      // first looks per simulated point
-constexpr std::uint64_t kMostImpossible = 10;  // impossible points tolerated for each point of the budget
-/// Share of tiles from which whole frames, whose work is recorded once for all machines, take no longer than samples.
+constexpr std::size_t kLooksPerPoint = 4;      // first looks (approximate simulations) per simulated machine
+constexpr std::uint64_t kMostImpossible = 10;  // impossible machines that are tolerated per machine of the budget
+/// If samples contain at least this share of the tiles, whole frames take no longer, because their rays are recorded
+/// once for all machines.
 constexpr double kWorthSampling = 0.6;
-constexpr double kLargePicture = 1'000'000;  // pixels from which sampled tiles predict the frame (docs/sampling.md)
+constexpr double kLargePicture =
+    1'000'000;  // pixels of a picture that is large enough for tile sampling (docs/sampling.md)
 
 /// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {
@@ -65,10 +67,10 @@ void check_sampling(const Task& task) {
   if (!task.space.reference.empty()) {
     throw sim::InputError("does not go together with a reference; allowed: fidelity full");
   }
-  if (task.fidelity == Fidelity::kSampled) check_programs(task);  // kTiles simulates other programs whole
+  if (task.fidelity == Fidelity::kSampled) check_programs(task);  // kTiles simulates whole frames of such programs
 }
 
-/// True if nothing in the task needs whole frames.
+/// True if frames may be simulated by sampled tiles: no setting of the sweep needs whole frames.
 bool may_sample(const sweep::Spec& spec) {
   return spec.reference.empty() && spec.replicates == 1 && spec.slices == 0 && !spec.image;
 }
@@ -80,7 +82,7 @@ std::vector<std::string> workload_names(const Task& task) {
 
 bool is_total_area(const Goal& goal) { return goal.metric == "area_mm2" || goal.metric == "totals.area_mm2"; }
 
-/// True if the workload does not matter for the metric of a goal whose path may not be resolved yet.
+/// True if the goal's metric is the same on every workload. Its path may lack the prefix "totals.".
 bool is_of_machine(const Goal& goal) {
   return sweep::is_metric_of_machine(goal.metric) || sweep::is_metric_of_machine("totals." + goal.metric);
 }
@@ -141,10 +143,10 @@ Space SearchRun::make_space() const {
   return space;
 }
 
-/// Lays out the figures of the search: one for each metric and workload.
+/// Defines the figures that the search models: one for each goal's metric on each workload.
 Search::Options SearchRun::make_search_options() {
   Search::Options options{.seed = task_.seed, .population = task_.population};
-  using Key = std::tuple<std::string, std::size_t, int>;  // metric, workload, side of the quantile
+  using Key = std::tuple<std::string, std::size_t, int>;  // metric, workload, and -1 or 1 for a lower or upper quantile
   std::map<Key, std::size_t> known;
   for (const Goal& goal : task_.goals) {
     const int side = goal.is_objective() || task_.confidence == 0 ? 0 : goal.is_upper_limit() ? 1 : -1;
@@ -152,7 +154,7 @@ Search::Options SearchRun::make_search_options() {
     of_goal.rule = goal.fold == Fold::kMean      ? GoalFigures::Rule::kMean
                    : goal.fold == Fold::kGeomean ? GoalFigures::Rule::kGeomean
                                                  : GoalFigures::Rule::kWorst;
-    Goal named = goal;  // directions of metrics are known by full paths
+    Goal named = goal;  // whether more is better is known by the full path
     if (!is_totals_path(named.metric)) named.metric = "totals." + named.metric;
     of_goal.larger_is_better = named.is_larger_better();
     std::vector<std::size_t>& by_workload = figures_.emplace_back();
@@ -176,7 +178,7 @@ Search::Options SearchRun::make_search_options() {
   return options;
 }
 
-/// Returns the area of a machine, as its reports have it.
+/// Returns a quantile of a machine's area, computed as in its reports but without a simulation.
 double SearchRun::exact_area(const Choice& choice, double quantile) {
   const Point point = planner_.make_point(on_workload(choice, 0), "");
   if (!point.error.empty()) return 0;
@@ -318,7 +320,8 @@ bool SearchRun::simulate_trials(std::vector<Trial>& fresh, const Machines& with)
   return true;
 }
 
-/// Returns the values of the search's figures in the runs of a machine, and their standard deviations.
+/// Returns the figures of a machine for the search: each goal's metric on each workload, from the machine's runs. Sets
+/// `errors` to their standard errors.
 FigureValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
                                       bool& are_assumed) const {
   FigureValues values(figure_count_);
@@ -358,7 +361,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
     Trial trial = make_trial(choice, is_look);
     ids.push_back(trial.id);
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
-    if (is_known) continue;  // axis values that give the same machine as an earlier point
+    if (is_known) continue;  // other axis values give the same machine
     indices.emplace(ids.back(), fresh.size());
     fresh.push_back(std::move(trial));
   }
@@ -386,7 +389,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
   return true;
 }
 
-/// Simulates proposed machines until `until` have been simulated. Returns false if interrupted.
+/// Simulates proposed machines until the search has simulated `until` machines. Returns false if interrupted.
 bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
   const std::uint64_t axes = task_.machine_axes().size();
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
@@ -405,7 +408,7 @@ bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
   return true;
 }
 
-/// Returns the neighbours of the best machine that are not simulated.
+/// Returns the neighbours of the best machine (one axis differs) that are not simulated.
 std::vector<Choice> SearchRun::unknown_neighbours() {
   const std::vector<const Trial*> front = pareto_front();
   if (front.empty()) return {};
@@ -414,7 +417,7 @@ std::vector<Choice> SearchRun::unknown_neighbours() {
   return near;
 }
 
-/// Spends the rest of the budget: on the neighbours of the best machine, and on proposed machines when all are known.
+/// Spends the rest of the budget on neighbours of the best machine, and when all are simulated, on proposed machines.
 bool SearchRun::refine_best(const Machines& with) {
   while (simulated_ < task_.budget) {
     const std::uint64_t before = simulated_;
@@ -425,7 +428,7 @@ bool SearchRun::refine_best(const Machines& with) {
     } else if (!spend_until(std::min<std::uint64_t>(task_.budget, simulated_ + task_.batch), with)) {
       return false;
     }
-    if (simulated_ == before && near.empty()) return true;  // the space has no others
+    if (simulated_ == before && near.empty()) return true;  // the space has no other machines
   }
   return true;
 }
@@ -437,7 +440,7 @@ bool SearchRun::simulate_whole(const Trial& sampled, const Machines& with) {
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     WorkloadRun& run = whole.emplace_back();
     run.point = planner_.make_point(on_workload(trial.choice, w), "");
-    if (run.point.id == trial.runs[w].point.id) run = trial.runs[w];  // it was not sampled
+    if (run.point.id == trial.runs[w].point.id) run = trial.runs[w];  // its frames were simulated whole already
   }
   std::vector<WorkloadRun*> now;
   for (WorkloadRun& run : whole) {
@@ -472,7 +475,7 @@ const Trial* SearchRun::find_doubtful() const {
   return best;
 }
 
-/// Simulates whole frames of machines until the whole front is confirmed by them.
+/// Simulates whole frames of machines until every machine on the Pareto front has them.
 bool SearchRun::confirm_front(const Machines& with) {
   while (true) {
     const std::vector<const Trial*> front = pareto_front();
@@ -520,7 +523,7 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
   }
   if (!spend_until(task_.budget - reserve, with)) return false;
   if (!is_single) return true;
-  // Whole frames may reject the best machine, so that others become interesting.
+  // The results of whole frames may reject the best machine, so that the search must continue.
   while (true) {
     if (!refine_best(with)) return false;
     if (!is_tiled()) return true;
@@ -567,7 +570,7 @@ const Trial* SearchRun::least_infeasible() const {
       if (goal.is_objective() || !trial.compared[g] || goal.is_met(*trial.compared[g])) continue;
       miss += std::abs(*trial.compared[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
     }
-    // A machine that was ruled out early may break more limits on the other workloads.
+    // Machines with results on all workloads are preferred: one that was ruled out may break more limits on the others.
     const std::pair rank(!trial.is_on_all_workloads(), miss);
     if (nearest == nullptr || rank < least) {
       nearest = &trial;

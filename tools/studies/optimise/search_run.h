@@ -17,45 +17,47 @@
 
 namespace tools::optimise {
 
-/// A machine that differs from the best one in one axis.
+/// A machine that differs from the best machine of a search in one axis.
 struct Neighbour {
   Choice choice;
-  std::string axis, from, to;                      ///< axis, and its value at the best machine and here
-  std::vector<std::optional<Estimate>> estimates;  ///< by goal: what the surrogates expect
-  const Trial* trial = nullptr;                    ///< its simulation, if any
+  std::string axis, from, to;  ///< the axis, its value in the best machine, and its value in this one
+  std::vector<std::optional<Estimate>> estimates;  ///< by goal: value estimated by the surrogates
+  const Trial* trial = nullptr;                    ///< result of its simulation; null if not simulated
 };
 
-/// Runs a search: has machines proposed, simulates them and adds their results. It is deterministic for a task, a seed
-/// and the results, so that an interrupted search continues from the simulations in the store.
+/// Runs a search: simulates the machines that Search proposes and returns the results to it. Same task, seed and
+/// results give the same search, so that an interrupted one continues from the simulations in the store.
 ///
-/// 1. A machine is simulated on one workload after the other, first on the workload that ruled out most machines. It
-///    stops at the first workload that breaks a limit beyond the noise.
-/// 2. With one objective, up to a quarter of the budget goes to neighbours of the best machine.
+/// 1. A machine is simulated on one workload after the other, first on those that ruled out most machines. After a
+///    workload that breaks a limit by more than the noise, the others are skipped.
+/// 2. With one objective, up to a quarter of the budget is spent on neighbours of the best machine: those that differ
+///    in one axis.
 /// 3. If frames were sampled, the best machine is simulated whole, and so are up to four better ones that break limits
 ///    by less than the noise. If the best machine then breaks a limit, the search continues with the rest of its
 ///    budget, until a best machine is confirmed.
 class SearchRun {
  public:
-  /// `folder`: where relative paths of the task begin. Throws InputError for an impossible task.
+  /// Relative paths in the task begin at `folder`. Throws InputError for an impossible task.
   SearchRun(const Task& task, const std::filesystem::path& folder);
   SearchRun(const SearchRun&) = delete;
   SearchRun& operator=(const SearchRun&) = delete;
 
   struct Hooks {
-    /// Called before new points are simulated, with all points including the new ones.
+    /// Called before points are simulated, with all points of the search including these.
     std::function<void(const std::vector<sweep::Point>& points)> announce;
-    sweep::Launcher::PointWatch watch;  ///< called for each point of a batch
+    sweep::Launcher::PointWatch watch;  ///< called when a point of a batch has ended
   };
   /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
   /// reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
-  /// Simulates whole frames until all machines on the front are whole. Returns false if interrupted.
+  /// Simulates whole frames of sampled machines until all machines on the Pareto front have whole frames. Returns false
+  /// if interrupted.
   bool check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Simulated machines that meet all constraints.
+  /// Returns the simulated machines that meet all constraints.
   std::vector<const Trial*> feasible_trials() const;
-  /// Feasible machines on the Pareto front, the best in the first objective first.
+  /// Returns the feasible machines on the Pareto front, from the best in the first objective on.
   std::vector<const Trial*> pareto_front() const;
   /// Returns the simulated machine with the smallest violation of the constraints, if possible one that ran on all
   /// workloads; null if none could be simulated.
@@ -67,16 +69,18 @@ class SearchRun {
   const std::vector<Goal>& goals() const { return evaluator_.goals(); }
   const std::vector<std::string>& workloads() const { return evaluator_.workloads(); }
   const Task& task() const { return task_; }
-  /// Points of all simulations, in order; those of first looks only if `with_looks`.
+  /// Returns the points of all simulations; those of first looks only if `with_looks`.
   std::vector<sweep::Point> points(bool with_looks) const;
-  /// "tile sampling of 5 % at 1920x1080", "whole frames of 512x256".
+  /// Describes how points are simulated: "tile sampling of 5 % at 1920x1080", "whole frames of 512x256".
   std::string fidelity_text() const;
-  /// True if frames are sampled by tiles.
+  /// True if the frames of some workload are simulated by sampled tiles only.
   bool is_tiled() const { return std::ranges::find(tiled_, true) != tiled_.end(); }
   std::uint64_t simulated_count() const { return simulated_; }      ///< machines, excluding first looks
   std::uint64_t computed_count() const { return computed_; }        ///< simulations that were not in the store
   std::uint64_t stored_simulation_count() const { return found_; }  ///< simulations that were in the store
-  std::uint64_t skipped_count() const { return skipped_; }  ///< simulations that earlier workloads made needless
+  std::uint64_t skipped_count() const {
+    return skipped_;
+  }  ///< simulations skipped because an earlier workload ruled out the machine
 
  private:
   struct Machines {
@@ -88,16 +92,16 @@ class SearchRun {
   Search::Options make_search_options();
   double exact_area(const Choice& choice, double quantile);
   Choice on_workload(const Choice& machine, std::size_t workload) const;
-  /// Returns the tile sampling of a point, empty for whole frames.
+  /// Returns the tile sampling with which a point is simulated; empty for whole frames.
   std::string sampling_of(const sweep::Point& point, std::size_t workload);
   Trial make_trial(const Choice& choice, bool is_look);
   std::vector<std::size_t> workload_order() const;
 
   /// Simulates machines and adds their results to the search. Returns false if interrupted.
   bool compute_machines(const std::vector<Choice>& choices, bool is_look, const Machines& with);
-  /// Simulates the possible machines, workload by workload. Returns false if interrupted.
+  /// Simulates new machines, except impossible ones, workload by workload. Returns false if interrupted.
   bool simulate_trials(std::vector<Trial>& fresh, const Machines& with);
-  /// Simulates the runs of one workload and reads their results.
+  /// Simulates runs on one workload and reads their results.
   bool simulate_runs(const std::vector<WorkloadRun*>& runs, const std::vector<sweep::Point>& others,
                      const Machines& with);
   void add_to_search(const Trial& trial, const Choice& choice);
@@ -119,20 +123,20 @@ class SearchRun {
   sweep::Planner planner_;
   sweep::PointKeys keys_;
   Evaluator evaluator_;
-  std::vector<bool> tiled_;                        ///< by workload: frames are sampled
+  std::vector<bool> tiled_;                        ///< by workload: true if frames are simulated by sampled tiles
   std::vector<std::string> resolutions_;           ///< by workload
-  std::set<std::string> starts_;                   ///< of frames: "warm"
-  std::vector<std::vector<std::size_t>> figures_;  ///< by goal and workload: index of the search's figure
+  std::set<std::string> starts_;                   ///< values of frame.start
+  std::vector<std::vector<std::size_t>> figures_;  ///< by goal, then workload: index of the figure in `search_`
   std::size_t figure_count_ = 0;
   Search search_;
   std::vector<Trial> trials_;
   std::map<std::string, std::size_t> by_id_;
   std::map<Choice, std::size_t> by_choice_;
   std::set<Choice> looked_;
-  std::vector<std::uint64_t> ruled_out_;  ///< by workload: machines that it ruled out
+  std::vector<std::uint64_t> ruled_out_;  ///< by workload: number of machines that it ruled out
   std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0, skipped_ = 0, proposed_ = 0;
   std::uint32_t batches_ = 0;
-  int doubtful_ = 0;  ///< doubtful machines simulated whole
+  int doubtful_ = 0;  ///< number of doubtful machines whose whole frames were simulated
   bool has_metrics_ = false;
 };
 

@@ -14,7 +14,7 @@ using Eigen::Index;
 
 constexpr std::size_t kMostFitted = 150;  // observations used to find the lengths; the time grows with their cube
 constexpr int kMostClimbs = 6;
-constexpr std::array<int, 4> kStrides = {1, -1, 3, -3};  // long strides leave local maxima
+constexpr std::array<int, 4> kStrides = {1, -1, 3, -3};  // steps of hill climbing; the long ones can leave local maxima
 constexpr int kShortest = -4, kLongest = 6;              // lengths as powers of kStep; 1 is the whole axis
 constexpr double kStep = 1.7;
 constexpr std::array<double, 4> kNuggets = {1e-6, 1e-4, 1e-2, 1e-1};  // roughness, as a share of the variance
@@ -38,7 +38,7 @@ std::vector<double> inverse_lengths_of(std::span<const int> lengths) {
   return all;
 }
 
-/// Returns at most kMostFitted observations, evenly spaced in their order.
+/// Returns at most kMostFitted observations, evenly spaced over the list.
 std::vector<Observation> thin_out(std::span<const Observation> all) {
   if (all.size() <= kMostFitted) return {all.begin(), all.end()};
   std::vector<Observation> some;
@@ -48,9 +48,9 @@ std::vector<Observation> thin_out(std::span<const Observation> all) {
 
 }  // namespace
 
-/// The solution of the model's linear equations.
+/// The solution of a Gaussian process's linear equations.
 struct GaussianProcess::Solution {
-  double likelihood = 0;  ///< logarithm, including the priors
+  double likelihood = 0;  ///< log likelihood, including the priors
   double nugget = 0, mean = 0, variance = 0;
   Eigen::MatrixXd factor;  ///< lower Cholesky factor of the covariance matrix
   Eigen::VectorXd values, weights;
@@ -71,8 +71,8 @@ double GaussianProcess::covariance_of(const Choice& a, const Choice& b) const {
   return matern_5_2(distance2);
 }
 
-/// Solves the model's equations with the current parameters. Errors are absolute, but the variance of the process
-/// follows from the solution, so the weight of the errors is found in a few iterations.
+/// Solves the model's equations with the current parameters. The errors are absolute, but the equations need them
+/// relative to the variance of the process, which the solution gives. Therefore it iterates a few times.
 GaussianProcess::Solution GaussianProcess::solve_model(std::span<const Observation> observations) {
   Solution s = solve_model(observations, 1);
   const bool has_noise = std::ranges::any_of(observations, [](const Observation& o) { return o.variance > 0; });
@@ -180,7 +180,7 @@ void GaussianProcess::add_pseudo_observation(const Choice& point, double value) 
 
 namespace {
 
-/// Prior standard deviation of the error of a first look, as a share of the standard deviation of the values.
+/// Prior standard deviation of the error of a first look (approximate simulation), relative to that of the values.
 constexpr double kLookDeviation = 0.1;
 
 double mean_of(std::span<const double> values) {

@@ -16,7 +16,7 @@ namespace tools::optimise {
 
 using sweep::Choice;
 
-/// An axis of the search space.
+/// The shape of an axis of the search space.
 struct AxisShape {
   std::uint32_t values = 1;
   bool ordered = true;  ///< neighbouring values are similar; false: all values are equally far from each other
@@ -34,9 +34,10 @@ struct Observation {
   double variance = 0;  ///< variance of the value's noise, which is independent of other points; 0: exact
 };
 
-/// Estimates a function of the axes from some of its values by Kriging: a constant mean and a Matern 5/2 covariance
-/// with a length per axis (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, ch. 2, 4, 5). Lengths
-/// and roughness maximise the likelihood; hill climbing starts from the previous fit.
+/// Estimates a function of the axes from some of its values by Kriging, with a constant mean and a Matern 5/2
+/// covariance with a length per axis (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, ch. 2, 4,
+/// 5). The lengths and the roughness (nugget) maximise the likelihood. They are found by hill climbing from the
+/// previous fit.
 class GaussianProcess {
  public:
   explicit GaussianProcess(std::span<const AxisShape> axes);
@@ -44,10 +45,10 @@ class GaussianProcess {
   GaussianProcess(GaussianProcess&& other) noexcept;
 
   /// Fits the model to at least one observation and returns the log likelihood per observation.
-  /// `errors_are_upper_bounds`: the true errors may be smaller than stated, all by the same factor.
+  /// `errors_are_upper_bounds`: the fit may reduce all stated errors by the same factor.
   double fit(std::vector<Observation> observations, bool errors_are_upper_bounds = false);
   Estimate estimate_at(const Choice& point) const;
-  /// Adds an estimate as if it had been observed (Kriging believer).
+  /// Adds an estimated value as if it had been simulated (Kriging believer).
   void add_pseudo_observation(const Choice& point, double value);
 
  private:
@@ -55,7 +56,7 @@ class GaussianProcess {
 
   double covariance_of(const Choice& a, const Choice& b) const;
   Solution solve_model(std::span<const Observation> observations);
-  /// `variance`: the variance of the process, which the errors are compared with.
+  /// Solves the equations for a given variance of the process, relative to which the errors count.
   Solution solve_model(std::span<const Observation> observations, double variance);
 
   std::vector<AxisShape> axes_;
@@ -69,19 +70,20 @@ class GaussianProcess {
 };
 
 /// Estimates a metric at points that have not been simulated. Positive metrics are modelled by their logarithm if that
-/// has a higher likelihood. Approximate first looks are corrected by their mean error and used as noisy observations.
+/// has a higher likelihood. Values of first looks (approximate simulations) are corrected by their mean error and used
+/// as noisy observations.
 class Surrogate {
  public:
   explicit Surrogate(std::span<const AxisShape> axes);
 
-  /// Fits the model to at least one simulated value, and to approximate looks. `errors`: standard deviations of noisy
-  /// simulated values; `errors_are_upper_bounds`: they are assumed upper bounds, not measured.
+  /// Fits the model to at least one simulated value, and to the values of first looks. `errors`: standard errors of
+  /// noisy simulated values; `errors_are_upper_bounds`: they are assumed upper bounds, not measured.
   using Values = std::map<Choice, double>;
   void fit(const Values& simulated, const Values& looks, const Values& errors = {},
            bool errors_are_upper_bounds = false);
-  /// Forbids the logarithm, for a metric with a limit of 0 or less.
+  /// Forbids to model the logarithm, for a metric with a limit of 0 or less.
   void forbid_log() { may_be_log_ = false; }
-  /// Returns the estimate on the model's scale, which is logarithmic if the logarithm of the metric is modelled.
+  /// Returns the estimate at a point, as a logarithm if the logarithm of the metric is modelled.
   Estimate estimate_at(const Choice& point) const { return active_process().estimate_at(point); }
   double from_model_scale(double value) const;
   double to_model_scale(double value) const;
@@ -99,8 +101,9 @@ class Surrogate {
 
 }  // namespace tools::optimise
 
-// Closed-form acquisition functions as logarithms. Plain values underflow far from the best point, and all points tie
-// (Ament et al., Unexpected Improvements to Expected Improvement, 2023, https://arxiv.org/abs/2310.20708).
+// Closed-form acquisition functions as logarithms. Without logarithms the values underflow far from the best point, and
+// all points tie (Ament et al., Unexpected Improvements to Expected Improvement, 2023,
+// https://arxiv.org/abs/2310.20708).
 
 namespace tools::optimise {
 
@@ -115,14 +118,14 @@ inline double log_normal_cdf(double z) {
   return z < 0 ? std::log(tail) : std::log1p(-tail);
 }
 
-/// Returns the logarithm of the probability that a value is above (or below) a limit.
+/// Returns the logarithm of the probability that an estimated value is above a limit, or below it if not `is_above`.
 inline double log_probability(const Estimate& value, double limit, bool is_above) {
   const double distance = is_above ? value.mean - limit : limit - value.mean;
   if (value.deviation > 0) return log_normal_cdf(distance / value.deviation);
   return distance > 0 ? 0 : -std::numeric_limits<double>::infinity();
 }
 
-/// Returns the logarithm of the expectation of max(0, value - best).
+/// Returns the logarithm of the expected improvement: the expectation of max(0, value - best).
 inline double log_expected_gain(const Estimate& value, double best) {
   const double distance = value.mean - best;
   if (!(value.deviation > 0)) return std::log(std::max(distance, 0.0));

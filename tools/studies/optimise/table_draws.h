@@ -12,42 +12,46 @@
 
 namespace tools::optimise {
 
-inline constexpr std::uint64_t kTableDraws = 1000;  ///< random draws of the tables of energy and area
+inline constexpr std::uint64_t kTableDraws = 1000;  ///< number of random draws of the energy and area tables
 
-/// Values that a figure of a simulated point may truly have, given its noise and the bands of the tables.
+/// A simulated metric with its uncertainty: its noise, and its values under random draws of the energy and area tables.
 struct FigureSpread {
   MeasuredFigure seen;
-  std::vector<double> factors;  ///< by draw of the tables: its value over the nominal one; empty: no table affects it
+  std::vector<double>
+      factors;  ///< by draw: value divided by the nominal value; empty if the tables do not affect the metric
 
   double factor(std::size_t draw) const { return factors.empty() ? 1 : factors[draw]; }
-  /// Returns the figure with the tables of a draw.
+  /// Returns the metric, with noise, as computed with the energy and area tables of random draw number `draw`.
   MeasuredFigure at(std::size_t draw) const;
-  /// Returns the value that the figure is below with probability `share`.
+  /// Returns the value that the metric does not exceed with probability `share`.
   double quantile(double share) const;
 };
 
-/// Returns the probability that a noisy figure meets a constraint.
+/// Returns the probability that the true value of a noisy metric meets a constraint.
 double probability_met(const Goal& goal, const MeasuredFigure& seen);
 
-/// Draws the tables of energy and area of a report. Draw N of all reports has equal quantiles of equal entries.
+/// Makes random draws of a report's energy and area tables. In draw N an entry has the same quantile in every report,
+/// so that reports can be compared draw by draw.
 ///
 /// 1. Entries of energy tables are drawn independently of each other (EnergyDraw).
-/// 2. The area has one quantile per draw, from low to high.
+/// 2. The whole area has one random quantile per draw.
 class TableDraws {
  public:
   explicit TableDraws(const ReportFile& report) : report_(report) {}
-  /// Returns the spread of a figure of the report. `path`: full path. Throws InputError if the report cannot be priced.
+  /// Returns the uncertainty of a metric of the report. `path`: full report path. Throws InputError if the report's
+  /// energy cannot be computed.
   FigureSpread spread_of(const std::string& path, const MeasuredFigure& seen);
 
  private:
   const ReportFile& report_;
   std::unique_ptr<PricedRun> priced_;
-  std::map<std::string, std::vector<double>> factors_;  ///< by block of EnergyMetric
+  std::map<std::string, std::vector<double>>
+      factors_;  ///< factors of each block (EnergyMetric::block), and of the area
 };
 
-/// Returns the band of a metric of a report, whose path has the members low, nominal and high.
+/// Returns the band of a report's metric. The report must have low, nominal and high below `path`.
 sim::Band band_at(const ReportFile& report, const std::string& path);
-/// Returns a quantile of the area within its band, from 0 at low to 1 at high.
+/// Returns a quantile of the area: 0 gives the low end of the band, 1 the high end.
 double area_at(const sim::Band& band, double quantile);
 
 }  // namespace tools::optimise

@@ -34,7 +34,7 @@ void set_metric(Goal& goal, const std::string& text) {
   goal.workload = parsed.workload;
 }
 
-/// Parses "PATH < NUMBER", or with <=, >, >=; throws InputError for other text.
+/// Parses a constraint "PATH < NUMBER", also with <=, > or >=. Throws InputError for other text.
 Goal parse_constraint_goal(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
   if (sign != std::string::npos) {
@@ -50,7 +50,8 @@ Goal parse_constraint_goal(const std::string& text) {
     if (is_number && unit.empty()) return goal;
     if (is_number) {
       const std::string suffix = without_blanks(std::string(unit));
-      // Without the suffix the number is right only if the metric has this unit: power_w has W, but not mW.
+      // Units are not accepted. Leaving the unit out is right only if the metric's name has it: power_w is in W, not
+      // mW.
       std::string name_end = "_" + suffix;
       std::ranges::transform(name_end, name_end.begin(),
                              [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -143,7 +144,7 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
   }
 }
 
-/// Other axes of workloads are refused, because the search would choose the easiest one.
+/// Error for an axis that changes the workload: the search would choose the easiest workload.
 constexpr std::string_view kWorkloadKey =
     "would make the easiest workload part of the answer; allowed: workloads, because a machine is evaluated on all of "
     "them";
@@ -233,7 +234,8 @@ Task parse_task(const sim::YamlNode& tree, const std::string& name) {
       throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
     }
   }
-  // Warm frames: a machine that shows a sequence. Later settings override.
+  // By default frames start with warm caches, as within a sequence of frames. Settings of the file follow and override
+  // this.
   task.space.sets.insert(task.space.sets.begin(), "frame.start=warm");
   return task;
 }

@@ -13,7 +13,7 @@
 
 namespace tools::optimise {
 
-/// An objective or a constraint on a metric, or on a function of its values on all workloads.
+/// A goal of a search: an objective or a constraint on a metric, or on a function of its values on all workloads.
 struct Goal {
   enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
   Kind kind = Kind::kMax;
@@ -21,7 +21,7 @@ struct Goal {
   double limit = 0;    ///< limit of a constraint; unused for an objective
   std::string at;      ///< "file:line:column", for messages
   sweep::SetMetric::Kind fold = sweep::SetMetric::Kind::kEach;
-  std::string workload{};  ///< of fold kOn
+  std::string workload{};  ///< workload of kOn
 
   sweep::SetMetric set_metric() const { return {fold, metric, workload}; }
   /// Returns the metric as it is displayed: "worst(perf.fps)".
@@ -31,15 +31,15 @@ struct Goal {
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
   bool is_less_better() const { return kind == Kind::kMin || is_upper_limit(); }
   bool is_upper_limit() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
-  /// True if the value meets the constraint. Objectives are always met.
+  /// True if the value meets the constraint. Always true for an objective.
   bool is_met(double value) const;
-  /// True for a constraint that is met if it is met on each workload.
+  /// True for a constraint that must be met on each workload separately.
   bool is_on_each() const;
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;
-  /// Returns the distance of a value from the limit of this goal, a constraint. It is divided by the limit if that is
-  /// not 0. Negative if the constraint is violated.
+  /// Returns the distance of a value from the limit of this constraint, relative to the limit unless that is 0.
+  /// Negative if the constraint is violated.
   double distance_to_limit(double value) const;
   /// Returns distance_to_limit() as text: "1.7 %", "-0.25".
   std::string distance_text(double value) const;
@@ -50,42 +50,44 @@ constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", 
 enum class Fidelity : std::uint8_t {
   kAuto,     ///< kTiles for large pictures of full:N, else kFull
   kFull,     ///< whole frames
-  kSampled,  ///< first looks by tile sampling, then whole frames
+  kSampled,  ///< approximate first looks by tile sampling, then whole frames of promising points
   kTiles,    ///< tile sampling, then whole frames of the best point
 };
 constexpr std::array<std::string_view, 4> names_of(Fidelity) { return {"auto", "full", "sampled", "tiles"}; }
-/// Parses the name of a fidelity; nothing for another text.
+/// Parses the name of a fidelity; returns nothing for other text.
 std::optional<Fidelity> parse_fidelity(std::string_view text);
 
-/// The task of `raywatt optimise` (docs/optimise.md): axes, conditions and workloads as of a sweep, and goals.
+/// The task of `raywatt optimise` (docs/optimise.md): a sweep's axes, conditions and workloads, and the goals.
 struct Task {
   std::string file;  ///< name, for messages
   sweep::Spec space;
-  std::vector<std::string> workloads;  ///< names; the workloads are the first axis of `space`. Empty: one, without axis
-  std::vector<Goal> goals;             ///< one or two objectives, then constraints
-  std::uint64_t budget = 100;          ///< machines to simulate
-  std::uint64_t seed = 1;              ///< seed of all random choices
-  std::uint32_t population = 40;       ///< population of NSGA-II
-  std::uint32_t batch = 8;             ///< machines simulated in parallel
+  std::vector<std::string>
+      workloads;                  ///< names; they are the first axis of `space`. Empty: one workload, without an axis
+  std::vector<Goal> goals;        ///< one or two objectives, then constraints
+  std::uint64_t budget = 100;     ///< machines to simulate
+  std::uint64_t seed = 1;         ///< seed of all random choices
+  std::uint32_t population = 40;  ///< population of NSGA-II
+  std::uint32_t batch = 8;        ///< machines simulated in parallel
   Fidelity fidelity = Fidelity::kAuto;
   std::string sampling;        ///< value of --tile-sampling
-  double confidence = 0;       ///< required probability of each limit; 0: nominal values count
+  double confidence = 0;       ///< required probability that each limit is met; 0: nominal values are compared
   bool simulates_all = false;  ///< simulate every machine of the space, without a search
 
   /// Returns the axes that distinguish machines: all but the axis of workloads.
   std::span<const sweep::Axis> machine_axes() const { return std::span(space.axes).subspan(workloads.empty() ? 0 : 1); }
 };
 inline constexpr std::string_view kConfidenceRange = "allowed: a probability of at least 0.5 and below 1";
-/// True for a probability that a search can require. With 0.5 the nominal values nearly decide.
+/// True for a probability that a search can require for its limits. With 0.5 the result is nearly that of nominal
+/// values.
 constexpr bool is_confidence(double share) { return share >= 0.5 && share < 1; }
-inline constexpr const char* kSearchFile = "search.json";  ///< what the page of a search shows
+inline constexpr const char* kSearchFile = "search.json";  ///< file with the data for the HTML page of a search
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;
 
 inline constexpr std::string_view kSchema = "raywatt-optimise/1";
 
-/// Reads a task; throws InputError with file, line, column, key, error, allowed values.
+/// Reads a search's file. Throws InputError with file, line, column, key, error and allowed values.
 Task read_task(const std::filesystem::path& file);
-/// Reads a task from the tree of its file. `name`: the file's name, for messages.
+/// Reads a search's task from the parsed YAML of its file. `name`: the file's name, for messages.
 Task parse_task(const sim::YamlNode& tree, const std::string& name);
 
 }  // namespace tools::optimise

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kNoLoss = 0.005;  // largest relative loss of the objective that counts as none
 
-/// Returns the part of a limit by which a value breaks it; negative if it meets it.
+/// Returns by how much a value breaks a limit, as a share of the limit; negative if the limit is met.
 double violation_of(const Goal& goal, double value) { return -goal.distance_to_limit(value); }
 
-/// Returns the nominal value of a goal of a machine divided by the value that is compared with its limit.
+/// Returns, for a machine's goal, the nominal value divided by the value that is compared with the limit.
 double nominal_share(const Trial& trial, std::size_t goal) {
   const bool is_same = !trial.seen[goal] || !trial.compared[goal] || *trial.compared[goal] == 0;
   return is_same ? 1 : trial.value(goal) / *trial.compared[goal];
@@ -36,7 +36,8 @@ Trade trade_of(const SearchRun& search, const Trial& best, Neighbour neighbour) 
   std::size_t broken = 0;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
-    // With a confidence, a quantile is compared with the limit, and estimates are estimates of this quantile.
+    // If the task requires a confidence, a quantile is compared with the limit, and the surrogates estimate this
+    // quantile.
     std::optional<double> value, compared;
     if (trade.is_simulated && trial->seen[g]) {
       value = trial->value(g);
@@ -116,7 +117,7 @@ std::vector<std::string> trade_sentences(const SearchRun& search, const Trial& b
     out.push_back(fmt::format("{} binds{}: its room is {}", goal.text(), on.empty() ? "" : " on " + on,
                               goal.distance_text(best.value(*binding))));
   }
-  // Of each limit, the neighbour that gains most per unit of the limit.
+  // For each limit: the neighbour that gains most per unit by which it breaks the limit.
   std::map<std::size_t, const Trade*> relaxed;
   const auto price = [&](const Trade& t) { return t.gain / violation_of(search.goals()[*t.breaks], t.reached); };
   for (const Trade& trade : trades) {

@@ -10,26 +10,27 @@ namespace tools::optimise {
 /// What changes if the best machine of a search with one objective is replaced by a neighbour.
 struct Trade {
   Neighbour neighbour;
-  std::vector<std::optional<double>> values;  ///< by goal, nominal; nothing if unknown
+  std::vector<std::optional<double>> values;  ///< by goal, nominal value; nothing if unknown
   bool is_simulated = false;                  ///< false: the values are estimates
   bool is_feasible = false;
-  double gain = 0;                    ///< by how much its objective is better, in the objective's unit
-  std::optional<std::size_t> breaks;  ///< the constraint that it breaks most
-  bool breaks_one = false;            ///< it is known to meet all other constraints on all workloads
+  double gain = 0;                    ///< improvement of the objective, in its unit; negative if it is worse
+  std::optional<std::size_t> breaks;  ///< constraint that the neighbour breaks most
+  bool breaks_one = false;            ///< the neighbour breaks only this constraint; all others are known to be met
   double reached = 0;                 ///< the value that is compared with the limit of `breaks`
-  std::string broken_on;              ///< workload that breaks it, if there are several
+  std::string broken_on;              ///< workload on which it breaks this constraint, if there are several
 };
 
-/// Returns the trades of the best machine, those that gain most first.
+/// Returns the trades from the best machine to its neighbours, by gain in descending order.
 std::vector<Trade> trades_of(SearchRun& search, const Trial& best);
 
-/// Returns the constraint with the least distance to its limit; nothing without constraints.
+/// Returns the constraint to whose limit the best machine is nearest; nothing without constraints.
 std::optional<std::size_t> binding_limit(const SearchRun& search, const Trial& best);
-/// Returns the workload that is nearest to the limit of a constraint; empty if there is one workload.
+/// Returns the workload on which a machine is nearest to the limit of a constraint; empty if there is only one
+/// workload.
 std::string binding_workload(const SearchRun& search, const Trial& trial, std::size_t goal);
 
-/// Returns sentences: which limit binds, what a wider limit would buy, what a larger machine would buy, and which axes
-/// can move without loss.
+/// Returns sentences on the best machine: which limit is nearest, which neighbours a wider limit would allow, which
+/// neighbour has the cheapest additional distance to the limit, and which axes can change without loss.
 std::vector<std::string> trade_sentences(const SearchRun& search, const Trial& best, const std::vector<Trade>& trades);
 
 }  // namespace tools::optimise

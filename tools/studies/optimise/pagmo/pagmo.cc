@@ -20,7 +20,7 @@ using sweep::Choice;
 
 constexpr double kCrossover = 0.9, kCrossoverSpread = 10, kMutationSpread = 20;
 
-/// A problem in the form that pagmo expects. Copies refer to the same task.
+/// An optimisation problem in the form that pagmo requires. Copies refer to the same task.
 struct Problem {
   const GeneticTask* task = nullptr;
 
