@@ -28,7 +28,7 @@ const Moved* find_changed_value(const RunCheck& run, std::string_view path) {
   return found == run.moved.end() ? nullptr : &*found;
 }
 
-/// Returns the changed value to print for a run whose cycle count is unchanged. Values of the whole machine come before
+/// Returns the changed value to print for a run whose cycle count is unchanged. Prefers values of the whole machine to
 /// values of the located unit.
 const Moved& value_to_print(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
@@ -59,7 +59,8 @@ std::string moved_text(const Moved& moved) {
                      noise);
 }
 
-/// Describes the located unit of a run: "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)".
+/// Describes the hardware unit to which a run's change is attributed: "most likely in l2.bank: why.lookup 1921 -> 2364
+/// cycles (+443)".
 std::string located_text(const RunCheck& run) {
   const LocatedRegression& located = *run.located;
   if (!run.keys.changed.empty()) return fmt::format("moved most in {}: {}", located.unit, located.moved);
@@ -111,7 +112,7 @@ std::vector<KeyPair> differing_keys(const SuiteCheck& checked, std::vector<KeyPa
   return out;
 }
 
-/// Returns the run with changed values whose located unit is most certain; null if there is none.
+/// Returns the run whose change is attributed to a hardware unit with the highest certainty; null if there is none.
 const RunCheck* most_certain_run(const SuiteCheck& checked) {
   const RunCheck* best = nullptr;
   for (const RunCheck& run : checked.runs) {
@@ -120,8 +121,7 @@ const RunCheck* most_certain_run(const SuiteCheck& checked) {
   return best;
 }
 
-/// Returns the line of a run in the output: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0
-/// %)".
+/// Returns the output line of a run: "ok teapot", "MOVED teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)".
 std::string check_line(const RunCheck& run) {
   if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
   if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
@@ -132,7 +132,8 @@ std::string check_line(const RunCheck& run) {
                      moved_text(shown));
 }
 
-/// Describes all runs that failed or changed: changed configuration keys, changed values and the located unit.
+/// Describes all runs that failed or changed: changed configuration keys, changed values and the hardware unit that
+/// most likely changed.
 std::string check_details(const SuiteCheck& checked) {
   constexpr std::size_t kMost = 6;
   std::vector<const RunCheck*> bad;

@@ -12,15 +12,15 @@ struct BaselineOptions {
   std::uint32_t replicates = 1;  ///< replicates of each run, to estimate noise
 };
 
-/// Simulates a suite and stores its values. Returns kGood, or kCheckFailed without storing if a run failed. Throws
-/// InputError if values are already stored, unless `force` is set.
+/// Simulates a regression suite and stores its values as the baseline. Returns kGood, or kCheckFailed without storing
+/// if a run failed. Throws InputError if values are already stored, unless `force` is set.
 int record_baseline(const BaselineOptions& options);
-/// Simulates a suite and compares its values with the stored ones. Returns kGood, or kCheckFailed if a run failed or a
-/// value changed beyond its tolerance. Throws InputError if the stored values were measured on other scenes or
-/// programs.
+/// Simulates a regression suite and compares its values with the stored baseline. Returns kGood, or kCheckFailed if a
+/// run failed or a value changed beyond its tolerance. Throws InputError if the stored values were measured on other
+/// scenes or programs.
 int check_baseline(const BaselineOptions& options);
-/// Simulates a suite, prints the values that changed and stores the new ones. Returns kGood, or kCheckFailed without
-/// storing if a run failed.
+/// Simulates a regression suite, prints the values that changed and stores the new ones as the baseline. Returns kGood,
+/// or kCheckFailed without storing if a run failed.
 int accept_baseline(const BaselineOptions& options);
 
 }  // namespace tools

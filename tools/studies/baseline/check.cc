@@ -57,7 +57,7 @@ Json report_or_error(const JobOptions& options) {
     return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
   } catch (const sim::InputError& error) {
     return {{"error", error.what()}, {"is_input", true}};
-  } catch (const std::bad_alloc&) {  // the host is short of memory; the run has not failed
+  } catch (const std::bad_alloc&) {  // the host is short of memory; the run itself is not wrong
     throw;
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"is_input", false}};
@@ -128,8 +128,8 @@ std::unique_ptr<ChildProcess> start_run(const SuiteRun& run) {
   });
 }
 
-/// Simulates the runs of a suite in child processes, `jobs` at once, and calls `take` for each run in order. Throws
-/// InputError if a run cannot start, e.g. because of a broken scene file.
+/// Simulates the runs of a suite in child processes, `jobs` at once, and calls `take` with each run and its result, in
+/// the suite's order. Throws InputError if a run cannot start, e.g. because of a broken scene file.
 void simulate_suite(const Suite& suite, std::uint32_t jobs,
                     const std::function<void(const SuiteRun&, Measured)>& take) {
   std::vector<std::optional<Measured>> done(suite.runs.size());
@@ -190,8 +190,8 @@ std::string end_of_same_depth(const std::string& path, std::string_view text) {
   return begin == std::string::npos ? path : path.substr(begin + 1);
 }
 
-/// Returns the end of a report path that is spelt most like `text`, or an empty text if none is similar. Paths that
-/// depend on the scene are not considered.
+/// Returns the end of a report path that is spelt most like `text`, for an error message; empty if none is similar.
+/// Paths that depend on the scene are not considered.
 std::string nearest_path_end(const std::string& text, const std::vector<std::string>& paths) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
@@ -205,7 +205,8 @@ std::string nearest_path_end(const std::string& text, const std::vector<std::str
   return found == known.end() ? std::string() : *found;
 }
 
-/// True if `text` matches at least one report path. `kinds`: report paths without digits.
+/// True if `text` is a report path, the end of one, or a group of paths. Digits are ignored. `kinds`: all report paths
+/// with their digits removed ("units.core.srp", not "units.core0.srp").
 bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   try {
     return !report_path_group(remove_digits(text), kinds).empty();
@@ -214,7 +215,8 @@ bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   }
 }
 
-/// Throws InputError for a misspelt path in `keep` of the suite, with the nearest correct path. Runs only short trials.
+/// Simulates only short trial runs. Throws InputError for a misspelt report path in the suite's `keep`, with the most
+/// similar correct path.
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {
@@ -236,7 +238,7 @@ void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   }
 }
 
-/// Chooses the numbers of a report that a suite keeps.
+/// Selects the numbers of a report that a suite stores.
 class KeptPaths {
  public:
   explicit KeptPaths(const Suite& suite) : suite_(suite) {}
@@ -245,8 +247,8 @@ class KeptPaths {
     std::string path;
     double percent = 0;
   };
-  /// Returns the report paths that `keep` of the suite chooses, in its order. A path that is chosen twice keeps its
-  /// first position and its last tolerance.
+  /// Returns the report paths that the suite's `keep` selects, in the order of `keep`. A path that is selected twice
+  /// has its first position and its last tolerance.
   std::vector<Chosen> select_report_paths(const Values& all) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
@@ -288,7 +290,7 @@ class KeptPaths {
   std::set<std::string> found_;
 };
 
-/// Returns the configuration keys that change the rendered rays, and not only their timing.
+/// Returns the configuration keys that change which rays are rendered, not only their timing.
 const std::set<std::string>& function_keys() {
   static const std::set<std::string> keys = [] {
     std::set<std::string> out;
@@ -300,7 +302,8 @@ const std::set<std::string>& function_keys() {
   return keys;
 }
 
-/// Moves the configuration keys that change the rendered rays from `keys` to `refusals`, each as an error message.
+/// Removes the configuration keys that change which rays are rendered from `keys`. Adds an error message for each of
+/// them to `refusals`.
 void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& refusals) {
   for (const KeyPair& key : keys) {
     if (!function_keys().contains(key.key)) continue;
@@ -309,7 +312,7 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
   std::erase_if(keys, [](const KeyPair& key) { return function_keys().contains(key.key); });
 }
 
-/// Returns the reasons that new values cannot be compared with stored ones, such as another scene or program. `was`,
+/// Returns the reasons why new values cannot be compared with stored ones, such as another scene or program. `was`,
 /// `is`: inputs of the stored and the new run; `embree`: version that built the stored tree. Adds to `keys` the changed
 /// keys that do not prevent a comparison.
 std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
@@ -350,8 +353,8 @@ bool is_within_tolerance(double was, double is, double percent) {
   return was == is || std::abs(is - was) <= percent / 100 * std::abs(was);
 }
 
-/// Compares the mean of a value over new replicates with the stored mean. A value stored without replicates is a single
-/// sample with the standard deviation of the new ones.
+/// Compares the mean of a value over new replicates with the stored mean. A value stored without replicates counts as
+/// one replicate, with the standard deviation of the new ones.
 Moved compare_replicates(const std::string& path, const StoredRun& stored, const Draws& now) {
   const auto was = stored.draws.find(path);
   if (was != stored.draws.end()) {
@@ -503,7 +506,7 @@ std::string changed_keys_text(const std::vector<KeyPair>& keys) {
   }
   std::string out;
   for (const std::string& unit : units) {
-    std::string_view shown;  // group of the last printed key
+    std::string_view shown;  // group whose line was printed last
     for (const KeyPair& key : keys) {
       if (unit_of_key(key.key) != unit) continue;
       const std::string_view group = group_of(key.key);
@@ -525,7 +528,7 @@ double value_or_zero(const Values& values, const std::string& path) {
   return found == values.end() ? 0 : found->second;
 }
 
-/// Returns the clock period of a kind of unit, in T&I cycles.
+/// Returns the duration of a clock cycle of a kind of unit, in T&I cycles.
 double tni_cycles_per_cycle(const Values& values, std::string_view unit) {
   const double elapsed = value_or_zero(values, fmt::format("units.{}.elapsed", unit));
   return elapsed == 0 ? 0 : value_or_zero(values, "totals.cycles") / elapsed;
@@ -572,8 +575,8 @@ double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::s
          value_or_zero(values, fmt::format("units.{}.units", kind));
 }
 
-/// Cache lines requested by one memory level and served by the next level. Each level has counted the total time of its
-/// requests, in T&I cycles.
+/// Counters of the cache lines that one memory level requests from the next: their number and total time, as counted by
+/// each of both levels. Times are in T&I cycles.
 struct Traffic {
   double requested = 0, served = 0;
   double request_time = 0, service_time = 0;
@@ -641,7 +644,7 @@ std::string moved_text(const Values& was, const Values& is, std::string_view uni
   return fmt::format("why.{} {} -> {} cycles ({:+})", reason, before, after, after - before);
 }
 
-/// Change of a unit's working time between two runs, and the cycle reason that changed most.
+/// The change of a unit's own working time between two runs, and the cycle reason that changed most.
 struct Own {
   std::string_view unit;
   double difference = 0;
@@ -668,7 +671,7 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
     return std::nullopt;  // the suite does not keep counters of units
   const std::vector<Move> moves = reason_time_changes(was, is);
   const std::vector<Own> owns = work_changes(moves);
-  constexpr double kNoticeable = 0.1;  // smallest change that counts, relative to the largest other; chosen by hand
+  constexpr double kNoticeable = 0.1;  // a change counts from this share of the largest change on; chosen by hand
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
   for (const Own& own : owns) all += std::abs(own.difference);

@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// An entry of `keep` in a suite: report values that are stored for each run.
+/// An entry of the list `keep` in a suite: report values that are stored for each run.
 struct Kept {
   std::string text;    ///< path of a value, its unambiguous end, or a group of values
   double percent = 0;  ///< tolerance of a check, in percent of the stored value
@@ -34,10 +34,11 @@ struct Suite {
 /// Reads a suite and the configurations of all its runs. Throws InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
 
-/// Inputs of a run. Values of two runs are comparable only if these inputs are equal.
+/// The inputs of a run. Values of two runs are comparable only if these are equal, except for configuration keys that
+/// only change timing.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
-  FlatConfig config;  ///< configuration by key, without the scene's name, because files can be moved
+  FlatConfig config;  ///< configuration by key; without the scene's name, because the file may be moved
 };
 
 /// Numbers of a run's report, by report path. Numbers that are 0 are left out.

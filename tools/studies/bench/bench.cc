@@ -80,7 +80,8 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
   return replay;
 }
 
-/// Measures one scene in rounds. A round measures each metric once, so that changing load affects all alike.
+/// Measures one scene in rounds. A round measures each metric once, so that changing load on the host affects all
+/// metrics alike.
 class RoundRunner {
  public:
   /// `scratch`: folder for temporary files of the benchmark.
@@ -112,7 +113,7 @@ class RoundRunner {
     add("steps_per_s", steps / all.wall_seconds);
     add("ns_per_step", 1e9 * timing / steps);
     add("timing_s_per_functional_s", timing / picture);
-    // Peak memory is read after whole runs and before replays, which need other memory.
+    // Peak memory is read after the whole run and before the first replay, which needs a different amount of memory.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = record_trace(inputs_, options_, scratch_, progress_);
     replay_->go_to_first_frame();
@@ -164,7 +165,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
   print_warnings(inputs.warnings, &progress);
-  if (other != nullptr) {  // checks that the results are comparable before it measures
+  if (other != nullptr) {  // check before measuring that the results are comparable
     all["scenes"] = Json::array({conditions_of(inputs)});
     check_comparable(all, *other, options.against, options.scenes.size() == 1);
   }
@@ -176,7 +177,7 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
 /// Measures a scene in a child process, so that peak memory is that of this scene. The child's main() handles
 /// exceptions.
 Json measure_in_child(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
-  constexpr int kGlanceMs = 100;  // timeout of poll() in ms, because an interrupt just before poll() does not end it
+  constexpr int kGlanceMs = 100;  // timeout of poll(), because an interrupt just before poll() does not end it
   std::string text;
   int status = 0;
   {
@@ -282,7 +283,8 @@ std::string format_error(const Json& bench) {
   return {};
 }
 
-/// Returns the differences in conditions between two results of a scene: "resolution [64,32] instead of [32,32]".
+/// Returns the conditions that differ between two benchmark results of a scene: "resolution [64,32] instead of
+/// [32,32]".
 std::vector<std::string> find_differences(const Json& a, const Json& b, const Json& scene_a, const Json& scene_b) {
   std::vector<std::string> found;
   const auto differs = [](const Json& x, const Json& y, const char* key) {
@@ -299,7 +301,7 @@ std::vector<std::string> find_differences(const Json& a, const Json& b, const Js
   if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
   compare(a, b, "config");
   compare(a, b, "set");
-  // The hash is not compared between builds of different commits, which may compute it from other keys.
+  // The hash is compared only for equal commits; other commits may compute it from other keys.
   if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
   return found;
 }
@@ -327,8 +329,8 @@ std::string cell_text(const BenchMetric& metric, const Json& scene) {
   return metric.kind == BenchMetric::Kind::kRate ? sim::si_text(value) : fmt::format("{:.2f}", value);
 }
 
-/// Returns a table with one line per scene, followed by an empty line. Returns an empty text if no scene has a metric
-/// of this table.
+/// Returns a table of metrics with one line per scene, followed by an empty line. Empty if no scene has a metric of
+/// this table. `is_partial`: selects the metrics (BenchMetric::is_partial).
 std::string metrics_table(const Json& bench, bool is_partial, bool compares) {
   std::vector<BenchMetric> columns;
   for (const BenchMetric& metric : bench_metrics()) {

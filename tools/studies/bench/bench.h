@@ -33,9 +33,10 @@ struct BenchMetric {
 };
 const std::vector<BenchMetric>& bench_metrics();
 
-/// Measures the speed of the simulator on each scene and returns JSON, schema raywatt-bench/2. Metrics are medians over
-/// `runs` rounds. Each scene has its own process, because peak memory never falls. If such a process fails, this
-/// process exits with the same code. A scene that is not comparable with `other` is an error before it is measured.
+/// Measures the speed of the simulator on each scene and returns JSON, schema raywatt-bench/2. Each metric is the
+/// median over `runs` rounds. Each scene has its own process, because peak memory never falls. If such a process fails,
+/// this process exits with the same code. `other`: result to compare with, or null; if a scene is not comparable with
+/// it, InputError is thrown before the scene is measured.
 sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = nullptr);
 
 /// Reads a file of `raywatt bench --json`. Several results in one file are merged to medians. Throws InputError for
@@ -43,8 +44,8 @@ sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = n
 sim::Json load_bench(const std::filesystem::path& file);
 
 /// Throws InputError if two benchmark results are not comparable: a common scene has another resolution, machine or
-/// number of threads. With `require_common_scene` also if they have no common scene. Keys that an older build did not
-/// write are ignored. `file`: path of `other`, for messages.
+/// number of threads. With `require_common_scene` also if they have no common scene. JSON members that older versions
+/// did not write are ignored. `file`: path of `other`, for messages.
 void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
                       bool require_common_scene = true);
 

@@ -23,7 +23,8 @@ double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Returns the share of the time with rays inside a T&I subunit in which the subunit waits for cache lines.
+/// Returns the share of time in which T&I subunits of a kind wait for cache lines, relative to the time in which they
+/// have rays.
 template <class Unit>
 double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;
@@ -40,7 +41,7 @@ CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) 
           ratio_or_zero(units.sum_of(&Stats::l1_miss_cycles), units.sum_of(&Stats::l1_fills)), share};
 }
 
-/// Returns the statistics of the cycle counts of a run and its replicates.
+/// Returns mean and deviation of the cycle counts of a run and its replicates.
 Draws cycle_draws(const FrameResult& run) {
   std::vector<double> cycles = {static_cast<double>(run.cycles)};
   for (const FrameResult& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
@@ -51,7 +52,8 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // Assumption: a ray in the intersection unit waits for lines in the same share of its time as the unit.
+  // Assumption: a ray inside the intersection unit waits for cache lines during the same share of its time as the unit
+  // itself.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
   const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;

@@ -11,8 +11,8 @@ namespace tools {
 
 class Progress;
 
-/// Time of a frame on a machine in which one resource is ideal. The difference to the time of the real machine is the
-/// most that a better resource can gain.
+/// Time of a frame on a machine in which one resource is ideal. The difference from the time of the configured machine
+/// is the most that improving this resource can gain.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
@@ -28,7 +28,7 @@ struct CacheShare {
   double share = 0;          ///< share of core time spent waiting for misses of this kind
 };
 
-/// The bottleneck of a frame, first estimated from performance counters and then measured by runs with ideal resources.
+/// The bottleneck of a frame: estimated from performance counters, and measured by runs with ideal resources.
 struct Bottleneck {
   std::uint64_t cycles = 0;
   std::string limiter;  ///< description of the estimated bottleneck
@@ -49,7 +49,7 @@ struct Bottleneck {
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half-width of the speed-up's 95 % interval
-  bool outside = false;   ///< true: the speed-up differs from 1 by more than its noise
+  bool outside = false;   ///< the speed-up differs from 1 by more than its noise
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 

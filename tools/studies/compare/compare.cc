@@ -38,7 +38,7 @@ namespace {
 
 using sim::Json;
 
-/// The main metrics: name and report path.
+/// The main metrics of a comparison: name and report path.
 constexpr std::array<std::pair<const char*, const char*>, 17> kTotals = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
@@ -113,14 +113,14 @@ std::vector<MetricPair> time_pairs(const ReportFile& a, const ReportFile& b) {
 /// True if this entry of the report's `units` is a sum over all units of a kind (unit_sums()).
 bool is_unit_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
-/// True for an idle reason, and for the reason of a tile buffer that only stores data. Both are the time that no other
-/// reason explains.
+/// True for a cycle reason that covers the time that no other reason explains: an idle reason, or that of a tile buffer
+/// that only stores data.
 bool is_leftover_reason(std::string_view unit, std::string_view reason) {
   const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
   return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
 }
 
-/// Returns the mean T&I cycles that a unit of this kind spends with this cycle reason.
+/// Returns the mean number of T&I cycles that a unit of this kind spends for one cycle reason.
 double mean_cycles(const ReportFile& report, const std::string& unit, const std::string& reason) {
   const double elapsed = report.number("units." + unit + ".elapsed");
   return elapsed == 0 ? 0
@@ -227,7 +227,7 @@ std::vector<std::string> work_differences(const ReportFile& a, const ReportFile&
   return out;
 }
 
-/// A ratio of counters, summed over all units of a kind.
+/// A ratio of two counters, each summed over all units of a kind.
 struct Ratio {
   const char* name;
   std::string part;
@@ -333,7 +333,7 @@ void compare_pictures(const ReportFile& a, const ReportFile& b, Comparison& out)
       out.no_picture = "not both have one";
     }
   } catch (const sim::InputError& error) {
-    out.no_picture = error.what();  // the metrics can be compared without pictures
+    out.no_picture = error.what();  // metrics are compared even without pictures
   }
 }
 
@@ -510,13 +510,14 @@ std::string picture_text(const Comparison& c) {
   return psnr ? fmt::format("PSNR {:.2f} dB", *psnr) : "identical";
 }
 
-/// Replaces the keys of the parts of a core's time by descriptions: "tree misses: DRAM".
+/// Replaces the names of the parts into which a core's time is divided by descriptions such as "tree misses: DRAM".
 std::vector<MetricPair> describe_time_parts(std::vector<MetricPair> times) {
   for (MetricPair& time : times) time.name = describe_time_part(time.name);
   return times;
 }
 
-/// Writes "node L1 cycles a miss" as "node L1 cycles per miss". --json keeps the names.
+/// Replaces "a" by "per" in the names of ratios: "node L1 cycles a miss" becomes "node L1 cycles per miss". The names
+/// in JSON stay.
 std::vector<MetricPair> with_per(std::vector<MetricPair> ratios) {
   for (MetricPair& ratio : ratios) {
     const std::size_t article = ratio.name.find(" a ");
@@ -568,8 +569,8 @@ std::string cell_text(Column column, double value) {
   return sim::si_text(std::abs(value) < 1000 ? std::round(value) : value);
 }
 
-/// Returns a table of the first entries of `pairs`. `whole`: sum of all differences, from which percentages are
-/// computed; 0 if unknown.
+/// Returns a table of the first metrics of `pairs` in both runs. `whole`: sum of all differences, for percentages; 0 if
+/// unknown.
 std::string pairs_table(const std::string& title, const std::vector<MetricPair>& pairs, Column column,
                         const std::vector<std::string>& names, double whole = 0) {
   if (pairs.empty()) return {};
@@ -613,8 +614,8 @@ std::string config_text(const std::vector<KeyPair>& keys) {
 
 namespace {
 
-/// Returns text with the energy ratio of the two runs under low, nominal and high tables, and the table entries that
-/// change it most.
+/// Returns text with the energy ratio of two runs under low, nominal and high energy tables, and the table entries that
+/// change the ratio most.
 std::string energy_text(const Comparison& c, const std::vector<std::string>& names) {
   if (!c.energy) return "\nno energy bands: " + sim::printable(c.no_energy, 1000) + "\n";
   sim::Table ratios({fmt::format("energy over {}", names[0]), "low tables", "nominal", "high", "median of draws",

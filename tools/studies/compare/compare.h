@@ -21,12 +21,12 @@ struct MetricPair {
   double difference() const { return b - a; }
 };
 
-/// A key of the configuration that differs; a value is empty if the run does not have the key.
+/// A configuration key whose values differ between two runs; a value is empty if the run does not have the key.
 struct KeyPair {
   std::string key, a, b;
 };
 
-/// Ratio of the energies of two runs within the bands of the energy tables.
+/// The energy ratio of two runs under low, nominal and high energy tables.
 struct EnergyBands {
   EnergyRatio gpu, tni;
   std::vector<TornadoBar> tornado;  ///< table entries that change the energy ratio of the GPU with memory most
@@ -34,19 +34,19 @@ struct EnergyBands {
 
 /// A comparison of two runs.
 struct Comparison {
-  std::vector<std::string> other_work;  ///< reasons that the runs did different work; empty: equal work
+  std::vector<std::string> other_work;  ///< differences in the work of the runs; empty: equal work
   std::vector<KeyPair> config;
   bool other_clock = false;         ///< the T&I clocks differ, so that cycles cannot be compared
   std::vector<MetricPair> metrics;  ///< the main metrics, in table order
-  // Explanations, largest difference first, without equal values.
+  // Lists that explain the differences. They begin with the largest difference and leave out equal values.
   std::vector<MetricPair> time;  ///< T&I cycles of an average core, by part of totals.top_down
   /// T&I cycles of an average unit, by kind of unit and cycle reason; without idle reasons.
   std::vector<MetricPair> reasons;
-  std::vector<MetricPair> blocks;    ///< nominal mJ by block
-  std::vector<MetricPair> events;    ///< nominal mJ by block and event, and of clock and leakage
-  std::vector<MetricPair> counters;  ///< sums over units of a kind, by relative change; all that moved by more than 1 %
-                                     ///< of the rays
-  std::vector<MetricPair> ratios;    ///< hit rates and mean times, in the order of the memory hierarchy
+  std::vector<MetricPair> blocks;     ///< nominal mJ by block
+  std::vector<MetricPair> events;     ///< nominal mJ by block and event, and of clock and leakage
+  std::vector<MetricPair> counters;   ///< sums over all units of a kind, by relative change; only changes of more than
+                                      ///< 1 % of the number of rays
+  std::vector<MetricPair> ratios;     ///< hit rates and mean times, from the core to the DRAM
   std::optional<EnergyBands> energy;  ///< none if a run cannot be priced
   std::string no_energy;              ///< reason that there is no `energy`
   // Comparison of the first frame's pictures.
@@ -61,25 +61,25 @@ struct Comparison {
 /// it has as many already. Throws InputError if the run cannot be repeated.
 void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threads, Progress* progress);
 
-/// Compares the run of report `b` with the run of report `a`, which is the baseline.
+/// Compares the run of report `b` with the run of report `a`; changes are relative to `a`.
 Comparison compare(const ReportFile& a, const ReportFile& b);
 
-/// Returns comparisons of the first report with each other one, schema raywatt-compare/1.
+/// Returns as JSON (schema raywatt-compare/1) the comparison of each other report with the first.
 sim::Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
-/// Returns the comparisons as text for a terminal.
+/// Returns the comparisons of all other reports with the first as text for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
-/// Returns a value of a main metric with its unit, by its name in JSON.
+/// Formats a value of a main metric with its unit. `name`: the metric's name in JSON.
 std::string metric_value_text(const std::string& name, double value);
 /// Returns a change as text: "+1.4 %", "x2.08", "new", "gone", "=".
 std::string change_text(const MetricPair& pair);
-/// Returns the noise of a difference: "within ± 2 %", or for means of replicates "mean +1.4 % ± 0.52 %, outside"; empty
-/// for a metric without noise.
+/// States how the difference of a metric compares with its noise: "within ± 2 %", or for means of replicates "mean +1.4
+/// % ± 0.52 %, outside". Empty for a metric without noise.
 std::string noise_text(const MetricPair& pair);
-/// Lists keys of the configuration with both values, a line each.
+/// Returns a line per configuration key with both values.
 std::string config_text(const std::vector<KeyPair>& keys);
-/// Returns the noise of a difference as JSON: from, difference, half_width, outside.
+/// Returns the noise of a difference as a JSON object with the members from, difference, half_width, outside.
 sim::Json noise_json(const NoisyDifference& noise);
 
 /// Returns the folder names of the runs, with a letter in front if two are equal.

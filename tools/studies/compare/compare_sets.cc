@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using sweep::SetMetric;
 
-/// What a run renders, from the most to the least telling: scene, resolution, frames, view.
+/// Identifies what a run renders: scene, resolution, frames and view, in this order.
 using WorkloadKey = std::array<std::string, 4>;
 
 WorkloadKey workload_key(const ReportFile& report) {
@@ -44,7 +44,8 @@ std::vector<WorkloadKey> workload_keys(const RunSet& set) {
   return keys;
 }
 
-/// Names workloads by as few parts of their keys as tell them apart; all parts if even those are equal.
+/// Names each workload by the first few parts of its key (scene, resolution, ...), as few as distinguish all workloads.
+/// If two keys are equal, all names have all parts.
 std::vector<std::string> name_workloads(const std::vector<WorkloadKey>& keys) {
   std::vector<std::string> names(keys.size());
   for (std::size_t parts = 1; parts <= WorkloadKey().size(); ++parts) {
@@ -62,7 +63,8 @@ std::string listed_workloads(const std::vector<WorkloadKey>& keys) {
   return sim::printable(fmt::format("{}", fmt::join(names, ", ")), 1000);
 }
 
-/// Returns for each run of `a` the run of `b` of the same workload. Throws InputError if the workloads differ.
+/// Returns, for each run of set `a`, the run of set `b` on the same workload. Throws InputError if the workloads
+/// differ.
 std::vector<const ReportFile*> match_runs(const RunSet& a, const RunSet& b) {
   const std::vector<WorkloadKey> of_a = workload_keys(a), of_b = workload_keys(b);
   for (const auto& [set, keys] : {std::pair{&a, &of_a}, {&b, &of_b}}) {
@@ -86,7 +88,7 @@ std::vector<const ReportFile*> match_runs(const RunSet& a, const RunSet& b) {
   return matched;
 }
 
-/// Returns an aggregate of a metric in both sets; without values if it has none.
+/// Returns an aggregate of a metric over all workloads of both run sets; without values if a run lacks the metric.
 SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<const ReportFile*>& a,
                      const std::vector<const ReportFile*>& b, const std::string& metric) {
   const bool larger = sweep::is_larger_better("totals." + metric).value_or(true);
@@ -109,7 +111,7 @@ SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<c
   return row;
 }
 
-/// Keys with the same two values in all comparisons.
+/// Returns the configuration keys that have the same two values in all comparisons.
 std::vector<KeyPair> common_keys(const std::vector<Comparison>& runs) {
   std::vector<KeyPair> common = runs.front().config;
   std::erase_if(common, [&](const KeyPair& key) {
@@ -122,7 +124,7 @@ std::vector<KeyPair> common_keys(const std::vector<Comparison>& runs) {
   return common;
 }
 
-/// Metrics of the text; JSON has all.
+/// The metrics that the text shows; JSON has all metrics.
 constexpr std::array<std::string_view, 10> kShownMetrics = {
     "cycles",  "time_ms",        "fps",      "fps_margin",          "dram_bytes", "energy_mj",
     "power_w", "power_at_fps_w", "area_mm2", "frames_per_joule_gpu"};

@@ -14,16 +14,16 @@ namespace tools {
 
 /// Runs of one machine on several workloads.
 struct RunSet {
-  std::string name;  ///< as it is shown
+  std::string name;  ///< name for display
   std::vector<ReportFile> runs;
 };
 
-/// True for a folder that has no report, but folders of runs.
+/// True for a folder that has no report itself, but contains folders of runs.
 bool is_run_set(const std::filesystem::path& folder);
 /// Reads the runs in the folders of a set, in the order of their names. Throws InputError like load_report().
 RunSet load_run_set(const std::filesystem::path& folder);
 
-/// A metric of two sets on one workload, or over all of them.
+/// A metric of two run sets (`a`, `b`) on one workload, or an aggregate over all workloads.
 struct SetRow {
   std::string workload;  ///< name of the workload, "geomean" or "worst"
   std::optional<double> a, b;
@@ -36,21 +36,22 @@ struct SetRows {
 
 /// A comparison of two sets of runs on the same workloads.
 struct SetComparison {
-  std::vector<std::string> workloads;  ///< names, as short as they differ
+  std::vector<std::string> workloads;  ///< names, as short as possible while they differ
   std::vector<Comparison> runs;        ///< by workload
   std::vector<KeyPair> config;         ///< keys that differ equally on all workloads
   std::vector<SetRows> metrics;        ///< main metrics in table order; a metric of the machine alone has one row
 };
 
-/// Matches the runs of two sets by scene, resolution, frames and view, and compares them. Throws InputError if a
-/// workload is missing in one of the sets, or twice in one.
+/// Compares the runs of two sets on each workload: runs with equal scene, resolution, frames and view. Throws
+/// InputError if a set lacks a workload of the other or has two runs of one.
 SetComparison compare_sets(const RunSet& a, const RunSet& b);
 
-/// Returns comparisons of the first set with each other one as text for a terminal.
+/// Returns the comparisons of all other run sets with the first as text for a terminal.
 std::string set_comparison_text(std::span<const RunSet> sets, std::span<const SetComparison> against);
-/// Returns the same with all metrics and, by workload, the comparison of runs; schema raywatt-compare-sets/1.
+/// Returns the comparisons of run sets as JSON, schema raywatt-compare-sets/1, with all metrics and with the comparison
+/// of runs on each workload.
 sim::Json set_comparison_json(std::span<const RunSet> sets, std::span<const SetComparison> against);
-/// Returns warnings on the reliability of the comparison, a line each.
+/// Returns warnings on the reliability of comparisons of run sets, a line each.
 std::vector<std::string> set_comparison_warnings(std::span<const RunSet> sets, std::span<const SetComparison> against);
 
 }  // namespace tools

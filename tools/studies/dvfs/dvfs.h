@@ -18,7 +18,8 @@ struct DvfsOptions {
   /// Multiples of the configured clock frequencies at which the frame is simulated.
   std::vector<double> factors = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2};
   std::vector<std::string> domains = {"tni", "srp", "l2"};  ///< domains whose clocks are scaled
-  double fps = 0;  ///< target frame rate in 1/s; 0: frame.fps of the configuration, or the rate of the slowest point
+  double fps =
+      0;  ///< target frame rate in 1/s; 0: frame.fps of the configuration, or else the rate of the slowest point
 };
 
 /// An operating point: results of the frame with its clocks multiplied by one factor.
@@ -29,7 +30,8 @@ struct DvfsPoint {
   double ms = 0;
   sim::Band mj;        ///< energy of the frame
   double idle_mw = 0;  ///< power while idle between frames
-  /// Energy of a frame period: the frame and the idle time after it. Negative if the frame is longer than the period.
+  /// Energy of a frame period: of the frame and the idle time after it. Negative if the frame takes longer than the
+  /// period.
   double period_mj = -1;
   double power_w() const { return mj.nominal / ms; }
   double frames_per_second() const { return 1000 / ms; }
@@ -46,13 +48,13 @@ struct DvfsCurve {
   std::optional<std::size_t> slowest_met;  ///< slowest point that meets the target frame rate, if there is a target
 };
 
-/// Computes the energy per frame period of all points. Sets the indices of the special points: energy_optimal,
-/// race_to_idle and least_a_period.
+/// Computes the energy per frame period of all operating points. Sets the indices energy_optimal, race_to_idle and
+/// least_a_period.
 void choose_points(DvfsCurve& curve, double period_ms);
 
-/// Returns the next clock factors to simulate, halfway between points of the curve. They refine two points: the slowest
-/// point whose frame time meets the target period, and the point with the least energy per period. Empty if both clocks
-/// are known to 0.5 %. At least one point must meet the period.
+/// Returns the next clock factors to simulate, halfway between neighbouring points of the curve. They refine the
+/// slowest point that meets the target period and the point with the least energy per period. Empty if both clocks are
+/// known to 0.5 %. At least one point must meet the period.
 std::vector<double> factors_to_try(const DvfsCurve& curve);
 
 /// Records the first frame once and simulates it with its clocks multiplied by each factor. A target frame rate adds

@@ -36,12 +36,12 @@ struct TableChange {
 /// The energy of a run under its own energy tables and under new ones.
 struct RepricedRun {
   std::string run;                                          ///< path of the run or sweep
-  std::string n{};                                          ///< number of the point, for a point of a sweep
+  std::string n{};                                          ///< number of the point; empty for a run outside a sweep
   std::vector<std::pair<std::string, std::string>> axes{};  ///< axis names and values of the point
   sim::Json own, repriced;                                  ///< energy_totals_json()
   std::vector<TableChange> changes;
   std::size_t plays = 1;                  ///< number of replicates of the run; the energy is that of the first
-  std::vector<std::string> extrapolated;  ///< sizes for which the new table is extrapolated
+  std::vector<std::string> extrapolated;  ///< sizes of units for which the new table is extrapolated
 };
 
 constexpr double kJoulesPerPicojoule = 1e-12;
@@ -105,7 +105,7 @@ std::string run_text(const RepricedRun& run) {
   return out + notes_text({run});
 }
 
-/// Columns of the table of sweep points, as paths in energy_totals_json().
+/// Columns of a table of sweep points, as paths in the result of energy_totals_json().
 constexpr std::array kColumns = {"energy_mj.low",   "energy_mj.nominal",         "energy_mj.high",
                                  "power_w.nominal", "perf.frames_per_joule_gpu", "perf.frames_per_joule_tni"};
 

@@ -50,7 +50,8 @@ std::string comment_of(const std::string& text, int line) {
 /// Returns the text after the last dot of a path.
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-/// Collects the origin of each configuration value. Files and settings added later override earlier ones.
+/// Collects for each configuration value the file or option that set it. Files and options added later override earlier
+/// ones.
 class Layers {
  public:
   Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
@@ -99,7 +100,7 @@ class Layers {
     }
   }
 
-  /// Adds the tables of the semiconductor process, once. Of several `process` settings the outermost one counts.
+  /// Adds the tables of the semiconductor process, once. If several files set `process`, the outermost file counts.
   void add_process(const fs::path& folder) {
     if (is_process_added_) return;
     is_process_added_ = true;
@@ -165,7 +166,7 @@ std::map<std::string, std::set<std::string>> counters_by_event(const std::vector
   return out;
 }
 
-/// Finds the performance counters and hardware units whose energy is computed from an entry of the energy tables.
+/// Finds the performance counters and hardware units whose energy depends on an entry of the energy tables.
 class Users {
  public:
   explicit Users(const RunConfig& config)
@@ -219,7 +220,7 @@ class Users {
     }
     return out;
   }
-  /// Returns the energy events of the DRAM that depend on the entry `name`.
+  /// Returns the energy events of the DRAM whose energy depends on the entry `name`.
   std::set<std::string> dram_events_using(const std::string& name) const {
     RunConfig changed = config_;
     for (EnergyEntry& entry : energy_entries(changed)) {
@@ -251,7 +252,7 @@ double size_of(const EnergyEntry::Figure& figure) {
   return static_cast<double>(sim::read_quantity(figure.name.substr(at + 1), sim::byte_units()));
 }
 
-/// Describes how an energy grows with size: the exponent between each two neighbouring sizes of its curve.
+/// Describes how an energy grows with size: the exponents between neighbouring sizes of its curve.
 std::string curve_text(const EnergyEntry& entry) {
   std::vector<std::string> steps;
   for (auto a = entry.figures.begin(), b = std::next(a); b != entry.figures.end(); ++a, ++b) {

@@ -7,8 +7,8 @@
 namespace tools {
 
 /// Describes entries of a configuration's energy tables: low, nominal and high value, dependence on size, source, and
-/// counters that use the entry. `name`: an entry, the end of its path, or a group; empty: all entries. Throws
-/// InputError if no entry matches.
+/// counters that use the entry. `name`: path of an entry, the end of its path, or a group of entries; empty: all
+/// entries. Throws InputError if no entry matches.
 std::string describe_energy_entries(const JobOptions& options, const std::string& name);
 
 /// Returns the names of all entries of the energy tables, in the shortest form that describe_energy_entries() accepts.

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kTolerance = 0.02;
 
-/// Name of a relation between a measured and an expected value, and the test of this relation.
+/// The name of a relation between a measured and an expected value, and the function that tests it.
 struct RelationRule {
   const char* words;
   bool (*holds)(double measured, double expected);

@@ -9,14 +9,14 @@
 
 namespace tools {
 
-/// A value measured on a simulated part of the machine, and the value that a formula predicts.
+/// A value measured by simulating a part of the machine, and the value that a formula predicts.
 struct Measurement {
-  /// Relation between measured and expected value that the benchmark checks.
+  /// The relation between measured and expected value that a microbenchmark checks.
   enum class Relation : std::uint8_t {
     kExactly,
     kClosely,  ///< both values differ by at most 2 %
     kNearly,   ///< the measured value is 90 % to 100 % of the expected one
-    kAtMost,   ///< the expected value is an upper bound, with 2 % tolerance for start and end
+    kAtMost,   ///< the expected value is an upper bound, with 2 % tolerance for the start and end of the run
     kAtLeast,  ///< the expected value is a lower bound
   };
   std::string name;
@@ -53,15 +53,15 @@ struct UpperBound {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest of several upper bounds. Marks it as not reached if a bound that is not reached is at most 1.5
-/// times as large.
+/// Returns the smallest of several upper bounds of a rate. Marks it as not reached if a bound of up to 1.5 times its
+/// value is not reached.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
 std::string findings_table(const Findings& findings);
 /// Returns the findings as JSON, schema raywatt-microbench/1.
 std::string findings_json(std::string_view benchmark, const Findings& findings);
 
-/// The machine and the options of a microbenchmark.
+/// The machine that a microbenchmark simulates, and the benchmark's options.
 struct BenchmarkJob {
   JobOptions machine;
   bool json = false;
@@ -82,11 +82,11 @@ struct BenchmarkOption {
   const char* meaning;
   Member member;
   bool default_shown = false;
-  std::vector<std::string> words{};  ///< allowed words; empty: any
+  std::vector<std::string> words{};  ///< allowed values; empty: any text
   int most = 0;                      ///< largest number; the smallest is 1
 };
 
-/// A benchmark of `raywatt microbench`. Every benchmark also has the option --json.
+/// A microbenchmark of `raywatt microbench`, with its own options. All benchmarks also have the option --json.
 struct Benchmark {
   const char* name;
   const char* meaning;
@@ -107,7 +107,7 @@ std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job);
 /// of the events in fs, in any order.
 double steady_rate(std::vector<std::uint64_t> moments);
 
-// Each benchmark simulates a part of the machine alone and compares it with formulas.
+// Each microbenchmark simulates one part of the machine and compares measured values with formulas.
 Benchmark chase_benchmark();
 Benchmark bandwidth_benchmark();
 Benchmark mshr_benchmark();

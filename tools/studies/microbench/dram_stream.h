@@ -7,8 +7,8 @@
 namespace tools {
 
 /// Reads DRAM requests from a text file, or from standard input if `file` is "-". A line has a hexadecimal address, R
-/// or W, and optionally the earliest time in ns. Empty lines and # comments are ignored. Throws InputError with file
-/// and line.
+/// (read) or W (write), and optionally the earliest time of the request in ns. Empty lines and # comments are ignored.
+/// Throws InputError with file and line.
 std::vector<hw::DramRequest> load_dram_stream(const std::string& file);
 
 }  // namespace tools

@@ -20,11 +20,12 @@
 
 namespace tools {
 
-/// Test client that reads lines in order through a first-level cache, with one probe per cycle while an MSHR is free.
+/// Test client that reads a list of cache lines in order through a first-level cache. Each cycle it probes for one line
+/// if an MSHR is free.
 ///
 ///  reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
 ///
-/// Reads of the same line must not overlap in time, because only one read can wait for a line.
+/// Two reads of the same line must not be in flight together, because only one read can wait for a line.
 class Reader {
  public:
   struct Read {
@@ -62,7 +63,8 @@ class Reader {
   void read_next(sim::Time now) {
     Read& read = reads_[next_];
     read.probed = now;
-    // The cache stores a cycle per miss; here that is the index of the read, which the fill returns.
+    // With each miss the cache stores a number, normally the cycle. Here it is the index of the read, which the fill
+    // returns.
     if (l1_.access_line(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
       read.arrived = now;
       finished_ += 1;
@@ -81,7 +83,7 @@ class Reader {
 /// The memory level at which a read finds its line; for DRAM the state of the bank.
 enum class Level : std::uint8_t { kL2, kRowOpen, kBankClosed, kOtherRow };
 
-/// Formulas for latencies and rates of the memory system without contention.
+/// Formulas for latencies and rates of a machine's memory system without contention.
 class MemoryForms {
  public:
   explicit MemoryForms(const hw::GpuConfig& config)
@@ -91,15 +93,15 @@ class MemoryForms {
         l2_(config.clocks.l2.clock()),
         dram_(config.dram.timing.ck.time) {}
 
-  /// Returns the time at which the cache line of a read arrives that missed in the L1 at `probed`. The read takes wire,
-  /// port, interconnect and bank, and the line returns. Each clock crossing is rounded up to the next edge.
+  /// Returns the time at which the cache line arrives for a read that missed in the L1 at `probed`. The read passes
+  /// wire, port, interconnect and bank, and the line returns. Each clock crossing is rounded up to the next clock edge.
   sim::Time line_return_time(sim::Time probed, Level level) const {
     const sim::Time at_bank = cross_clocks(probed, tni_, 1, l2_) + c_.interconnect.latency * l2_.period();
     const sim::Time answered = level == Level::kL2 ? at_bank + c_.l2.cache.hit_cycles * l2_.period()
                                                    : fill_time(at_bank, level) + l2_.period();
     return cross_clocks(answered + c_.interconnect.latency * l2_.period(), l2_, 1, tni_);
   }
-  /// Returns the time that a miss occupies an MSHR of the L2, in fs, averaged over all clock phases.
+  /// Returns the time in fs for which a miss occupies an MSHR of the L2, averaged over all clock phases.
   double l2_mshr_time(Level level) const {
     sim::Time sum = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) sum += fill_time(i * l2_.period(), level) - i * l2_.period();
@@ -116,8 +118,8 @@ class MemoryForms {
     return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
   /// Returns the upper bound of the line rate that is due to `mshrs` MSHRs of a first-level cache. Each MSHR handles
-  /// one miss after the other. MSHRs start in consecutive cycles, so their clock phases differ. If the L2 has another
-  /// clock, the bound is not reached.
+  /// one miss after the other. The misses start in consecutive cycles, so their clock phases differ. The bound is
+  /// marked as not reached if the L2 has another clock.
   UpperBound l1_mshr_rate(std::uint32_t mshrs, Level level) const {
     const std::uint32_t starts = std::min(mshrs, 64U);
     double rate = 0;
@@ -129,9 +131,9 @@ class MemoryForms {
     }
     return {rate * mshrs / starts, "L1 miss registers", tni_ == l2_};
   }
-  /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. Requests cross
-  /// into the port's clock, one per cycle. A slot of the wire is free again when the client sees that the port has
-  /// taken its request.
+  /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. One request per
+  /// cycle crosses into the port's clock. A slot of the wire is free again one clock crossing after the port has taken
+  /// the request.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
@@ -192,8 +194,8 @@ std::vector<CacheInClock> first_level_caches(const hw::GpuConfig& config) {
 
 }  // namespace
 
-/// The memory system of a machine, with a Reader for every first-level cache. A core has one Reader per traversal unit,
-/// one for the intersection unit and one for the shader core.
+/// The memory system of a machine, with a Reader (test client) in place of every first-level cache. A core has one
+/// Reader per traversal unit, one for the intersection unit and one for the shader core.
 class MemorySide {
  public:
   /// `config` must outlive this object.
@@ -235,7 +237,7 @@ class MemorySide {
 
 namespace {
 
-constexpr std::uint32_t kPhases = 20;  // number of start times, in consecutive cycles, to cover all clock phases
+constexpr std::uint32_t kPhases = 20;  // number of start cycles that are measured, to cover all clock phases
 
 /// Returns the first address after 0 in the same DRAM channel and bank as address 0. `same_row`: in the same row, else
 /// in another one. Returns nothing if there is none.
@@ -253,7 +255,7 @@ std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   return std::nullopt;
 }
 
-/// Measures the latency of single reads. Before each read the memory is idle.
+/// Measures the latency of single reads of an idle memory system.
 class Chase {
  public:
   explicit Chase(const hw::GpuConfig& config)
@@ -293,9 +295,9 @@ class Chase {
   }
 
  private:
-  /// Measures one read of the machine: reads `lines` one after the other and adds the latency of the last read to
-  /// `measurement`. Latency is the time from the probe of the L1 to the data. `neighbour_first`: another client of the
-  /// core has read the last line before. `level`: memory level that serves the last read; empty: the L1.
+  /// Reads `lines` one after the other and adds the latency of the last read to `measurement`, from the L1 probe to the
+  /// data. `neighbour_first`: another client of the core reads the last line before. `level`: memory level that serves
+  /// the last read; empty: the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
                     bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);
@@ -406,10 +408,9 @@ Benchmark bandwidth_benchmark() {
 namespace {
 
 constexpr std::uint32_t kMissedLines = 8000;
-constexpr sim::Time kWarm =
-    sim::kFemtosecondsPerSecond;  // time at which the measurement starts; the L2 is warm by then
+constexpr sim::Time kWarm = sim::kFemtosecondsPerSecond;  // the measurement starts at this time, when the L2 is warm
 
-/// Returns the measured rate of misses per cycle that the L1 of one traversal unit sustains.
+/// Measures the misses per cycle that the L1 of one traversal unit sustains. `in_l2`: all misses hit in the L2.
 double measured_misses_per_cycle(const hw::GpuConfig& config, bool in_l2) {
   MemorySide side(config);
   const std::uint64_t line = config.l2.cache.line.bytes;

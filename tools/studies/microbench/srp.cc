@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::array<std::array<std::uint32_t, 2>, 5> kSizes = {{{2, 2}, {4, 2}, {4, 4}, {8, 4}, {8, 8}}};
 
-/// Returns a shader core whose array has another size. The shares of units that multiply and divide stay the same.
+/// Returns a shader core with an array of another size. The shares of functional units that multiply and divide stay
+/// the same.
 hw::SrpConfig resize_array(hw::SrpConfig srp, std::uint32_t rows, std::uint32_t columns) {
   const std::uint32_t before = srp.array.unit_count(), units = rows * columns;
   srp.array.rows = rows;
@@ -93,7 +94,7 @@ namespace {
 using kernels::GraphNode;
 using kernels::Op;
 
-constexpr std::uint64_t kItems = 1024;  // number of loop items; a multiple of every number of banks
+constexpr std::uint64_t kItems = 1024;  // number of loop items; must be a multiple of each number of banks
 
 /// Returns a kernel that reads one record from each of two arrays and writes one to a third.
 kernels::Graph copy_kernel(std::uint32_t record_bytes) {
@@ -121,8 +122,7 @@ kernels::Graph copy_kernel(std::uint32_t record_bytes) {
   return graph;
 }
 
-/// Returns the cycles per loop item that a kernel loses to bank conflicts, found by simulating the accesses of many
-/// items one by one.
+/// Returns the cycles per loop item that a kernel loses to bank conflicts. Simulates each access of many loop items.
 double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
   struct Access {
     std::uint64_t first_word, words, start;

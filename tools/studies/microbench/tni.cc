@@ -25,8 +25,8 @@ struct Leaf {
   std::vector<traces::ExitPhase> exits;
 };
 
-/// A ray through `visits` nodes with one hit child each, and then one leaf if it has tests. The ray never pushes to its
-/// stack.
+/// A ray that visits `visits` nodes with one hit child each, so that it never pushes to its stack. Then it visits
+/// `leaf`, if that has triangle tests.
 struct StraightRay {
   std::uint32_t visits = 1;
   Leaf leaf;
@@ -48,14 +48,14 @@ struct StraightRay {
   }
 };
 
-/// Formulas for latencies and rates, in cycles, of a T&I unit whose accesses all hit in its L1s.
+/// Formulas, in cycles, for latencies and rates of a T&I unit whose accesses all hit in its L1 caches.
 class TniForms {
  public:
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which the result of a triangle test is known, by its exit
-  /// phase.
+  /// Returns the stage of the intersection pipeline after which a triangle test that ends in phase `exit` has its
+  /// result.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:
@@ -94,9 +94,9 @@ class TniForms {
     return box_passes(ray) * pass + (ray.leaf.exits.empty() ? 0 : to_ist_and_back);
   }
 
-  /// Returns the throughput of a busy intersection unit, in leaves per cycle. Round robin over the leaves makes all
-  /// leaves in the unit end in the same round. If a round is shorter than the rest of the pipeline, the unit idles
-  /// until the first leaf ends.
+  /// Returns the throughput of a busy intersection unit, in leaves per cycle. Round robin makes all leaves in the unit
+  /// end in the same round. If a round is shorter than the rest of the pipeline, the unit idles until the first leaf
+  /// ends.
   UpperBound leaves_per_cycle(const Leaf& leaf) const {
     const std::uint32_t round = tni_.ist.leaves, rest = lone_leaf_latency(leaf) - lines_read(leaf) + 2;
     const std::uint32_t idle = rest > round ? rest - round : 0;
@@ -131,7 +131,7 @@ class TniForms {
 
 constexpr std::uint32_t kRays = 12'000;
 
-/// Identical rays for the T&I unit under test, and the times at which their results arrived.
+/// Source of identical rays for the T&I unit under test. Records the times at which their results arrive.
 struct EqualRays {
   std::vector<std::uint32_t> steps;
   std::vector<sim::Time> hits{};
@@ -147,7 +147,7 @@ class TniHarness {
       : clock_(config.clocks.tni.clock()), equal_{ray.walk_steps()} {
     const sim::UnitId source = machine_.unit({"rays", clock_});
     hw::TniCore tni(machine_, config.tni, {.l1 = true}, 0, clock_);
-    std::vector<hw::MemoryPort> memory;  // required but not used, as caches always hit
+    std::vector<hw::MemoryPort> memory;  // required by the unit but not used, as caches always hit
     for (const hw::MemoryClient& client : tni.memory_clients()) {
       memory.push_back({machine_.link<hw::MemRequest>(1, 1, client.unit, client.unit),
                         machine_.link<hw::MemResponse>(1, 1, client.unit, client.unit)});
@@ -156,8 +156,8 @@ class TniHarness {
                                         {{}, {0, triangle_bytes}}, memory);
   }
 
-  /// Simulates the T&I unit under test and returns its throughput in rays per cycle, without the start and end of the
-  /// run.
+  /// Simulates the T&I unit under test. Returns its throughput in rays per cycle, measured without the start and end of
+  /// the run.
   double rays_per_cycle() {
     sim::run(*this);
     return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /
@@ -363,8 +363,8 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
   return exits;
 }
 
-/// Measures early exits of triangle tests in a scene. Adds to `found` their number and the cycles and energy that they
-/// save.
+/// Measures early exits of triangle tests in a scene. Adds to `found` the number of early exits and the cycles and
+/// energy that they save.
 void add_scene_measurements(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);

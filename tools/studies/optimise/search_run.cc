@@ -30,8 +30,7 @@ constexpr std::uint64_t kMostImpossible = 10;  // impossible machines that are t
 /// If samples contain at least this share of the tiles, whole frames take no longer, because their rays are recorded
 /// once for all machines.
 constexpr double kWorthSampling = 0.6;
-constexpr double kLargePicture =
-    1'000'000;  // pixels of a picture that is large enough for tile sampling (docs/sampling.md)
+constexpr double kLargePicture = 1'000'000;  // pixels that are enough for tile sampling (docs/sampling.md)
 
 /// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {

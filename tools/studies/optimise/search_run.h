@@ -78,9 +78,7 @@ class SearchRun {
   std::uint64_t simulated_count() const { return simulated_; }      ///< machines, excluding first looks
   std::uint64_t computed_count() const { return computed_; }        ///< simulations that were not in the store
   std::uint64_t stored_simulation_count() const { return found_; }  ///< simulations that were in the store
-  std::uint64_t skipped_count() const {
-    return skipped_;
-  }  ///< simulations skipped because an earlier workload ruled out the machine
+  std::uint64_t skipped_count() const { return skipped_; }  ///< simulations of machines that were ruled out earlier
 
  private:
   struct Machines {

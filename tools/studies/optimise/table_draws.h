@@ -17,8 +17,7 @@ inline constexpr std::uint64_t kTableDraws = 1000;  ///< number of random draws 
 /// A simulated metric with its uncertainty: its noise, and its values under random draws of the energy and area tables.
 struct FigureSpread {
   MeasuredFigure seen;
-  std::vector<double>
-      factors;  ///< by draw: value divided by the nominal value; empty if the tables do not affect the metric
+  std::vector<double> factors;  ///< by draw: value divided by the nominal one; empty: the tables do not affect it
 
   double factor(std::size_t draw) const { return factors.empty() ? 1 : factors[draw]; }
   /// Returns the metric, with noise, as computed with the energy and area tables of random draw number `draw`.
@@ -45,8 +44,7 @@ class TableDraws {
  private:
   const ReportFile& report_;
   std::unique_ptr<PricedRun> priced_;
-  std::map<std::string, std::vector<double>>
-      factors_;  ///< factors of each block (EnergyMetric::block), and of the area
+  std::map<std::string, std::vector<double>> factors_;  ///< by block (EnergyMetric::block), and of the area
 };
 
 /// Returns the band of a report's metric. The report must have low, nominal and high below `path`.

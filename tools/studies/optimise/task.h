@@ -61,13 +61,12 @@ std::optional<Fidelity> parse_fidelity(std::string_view text);
 struct Task {
   std::string file;  ///< name, for messages
   sweep::Spec space;
-  std::vector<std::string>
-      workloads;                  ///< names; they are the first axis of `space`. Empty: one workload, without an axis
-  std::vector<Goal> goals;        ///< one or two objectives, then constraints
-  std::uint64_t budget = 100;     ///< machines to simulate
-  std::uint64_t seed = 1;         ///< seed of all random choices
-  std::uint32_t population = 40;  ///< population of NSGA-II
-  std::uint32_t batch = 8;        ///< machines simulated in parallel
+  std::vector<std::string> workloads;  ///< names; they are the first axis of `space`. Empty: one, without an axis
+  std::vector<Goal> goals;             ///< one or two objectives, then constraints
+  std::uint64_t budget = 100;          ///< machines to simulate
+  std::uint64_t seed = 1;              ///< seed of all random choices
+  std::uint32_t population = 40;       ///< population of NSGA-II
+  std::uint32_t batch = 8;             ///< machines simulated in parallel
   Fidelity fidelity = Fidelity::kAuto;
   std::string sampling;        ///< value of --tile-sampling
   double confidence = 0;       ///< required probability that each limit is met; 0: nominal values are compared

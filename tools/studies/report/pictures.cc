@@ -60,7 +60,7 @@ Json page_number(double value) {
   return std::round(value * scale) / scale;
 }
 
-/// Returns the smallest side in pixels for which at most `max_squares` squares cover a picture.
+/// Returns the smallest side, in pixels, of squares of which at most `max_squares` cover a picture.
 std::uint32_t averaging_square_side(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
   std::uint32_t square = 1;
   while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > max_squares) ++square;
@@ -158,16 +158,16 @@ constexpr std::string_view kPixelsFile = "pixels.exr";
 constexpr std::size_t kMostPixels = 1 << 19;  ///< maximum pixels of an overlay; larger ones are averaged over squares
 constexpr std::size_t kAnyPixels = std::numeric_limits<std::size_t>::max();
 // Limits in bytes of data: URLs. They keep the page of a 2048x1024 frame below 6 MB.
-/// Limit in bytes for the picture, its pixel overlays and debug pictures together.
+/// Limit in bytes for a picture together with its pixel overlays and debug pictures.
 constexpr std::uint64_t kLargestPictures = 3'900'000;
 constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
 constexpr std::uint64_t kLargestFilm = 1'500'000;   ///< limit for the pictures of all frames
-constexpr std::size_t kFilmPixels = 1 << 20;        ///< pixels of all frames together, at first
-constexpr std::size_t kLeastFilmPixels = 1 << 10;   ///< pixels of a frame
+constexpr std::size_t kFilmPixels = 1 << 20;        ///< initial limit of the pixels of all frames together
+constexpr std::size_t kLeastFilmPixels = 1 << 10;   ///< minimum pixels of a frame
 constexpr std::size_t kMostFilmFrames = 600;
 
-/// Overlays of a picture as JSON for the page. Overlay of tiles: {id, name, tile, unit, values, low, high}. Overlay of
-/// pixels: {id, name, pixels, step, unit, low, high, scale}.
+/// The overlays of a picture, as JSON for a page. A tile overlay is {id, name, tile, unit, values, low, high}, a pixel
+/// overlay {id, name, pixels, step, unit, low, high, scale}.
 struct Overlays {
   Json grids = Json::array();
   std::uint64_t pixel_bytes = 0;  ///< size of the data: URLs of pixel overlays
@@ -181,8 +181,8 @@ const Json& first_frame_of(const ReportFile& report) {
   return frames != report.json.end() && frames->is_array() && !frames->empty() ? frames->front() : kNone;
 }
 
-/// Returns for each tile the times of its first dispatch and last finish, in us, and its core. Times of tiles without a
-/// row are null.
+/// Returns for each tile the times of its first dispatch and last finish, in us, and its core. Tiles without a row in
+/// tiles.json have null.
 Json tile_times_json(const TileGrid& grid, const TileFrame& tiles, double us_per_cycle) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const std::vector<double>&begin = tile_column(tiles, "dispatched"), &end = tile_column(tiles, "finished"),
@@ -218,8 +218,8 @@ void add_tiles(const ReportFile& report, Overlays& out) {
   if (cycles > 0) out.times = tile_times_json(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
 }
 
-/// Adds two overlays of a frame with adaptive sampling. They show for each tile the share of similar samples and the
-/// side of its sampling blocks.
+/// Adds two tile overlays for a frame with adaptive sampling: the share of similar samples, and the side of the
+/// sampling blocks.
 void add_samples(const ReportFile& report, Overlays& out) {
   const sim::JsonPointer pointer("/sampling/tiles");
   const Json& frame = first_frame_of(report);
@@ -317,8 +317,7 @@ Overlays overlays_of(const ReportFile& report) {
   return out;
 }
 
-/// Returns name and file of each debug picture of the first frame. Pictures that also have their values as .exr are
-/// left out.
+/// Returns name and file of each debug picture of the first frame, except those whose values are also in an .exr file.
 std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const ReportFile& report) {
   const std::string of_first = fmt::format("frame-{:04.0f}-debug-", report.number("frames[0].frame"));
   std::vector<std::pair<std::string, fs::path>> found;

@@ -55,7 +55,7 @@ std::string command_of(const ReportFile& report) {
   return sim::printable(command_text(words), kLongestCommand);
 }
 
-/// Returns the report with only those members of its frames that the page shows.
+/// Returns a report whose `frames` have only the members that the page shows.
 Json trimmed_report(Json report) {
   const auto frames = report.find("frames");
   if (frames == report.end() || !frames->is_array()) return report;
@@ -81,7 +81,7 @@ Json unit_kinds_json() {
   return out;
 }
 
-/// Returns the name of the resource that limits the initiation interval of a kernel.
+/// Returns the name of the shader core's resource that limits the initiation interval of a kernel.
 std::string limiting_resource_name(const hw::KernelSchedule& s, const hw::ArrayConfig& array) {
   using hw::OpClass;
   if (s.rec_mii >= s.ii) return "values from item to item";
@@ -154,7 +154,7 @@ Json energy_flow(const PricedRun& run) {
   return out;
 }
 
-/// Returns the metrics of the first frame over time, without those that are always 0.
+/// Returns the metrics of the first frame over time, except those that are always 0.
 Json series_json(const ReportFile& report) {
   if (!RunIntervals::has_intervals(report)) return {{"note", "This run has no intervals of time."}};
   try {
@@ -229,7 +229,7 @@ std::string run_title(const ReportFile& report) {
 namespace {
 
 constexpr std::uint64_t kLargestPicture = 64 << 20;
-constexpr std::uint32_t kCell = 16;  ///< side of the squares in which pictures are compared, in pixels
+constexpr std::uint32_t kCell = 16;  ///< side in pixels of the squares in which two pictures are compared
 
 /// Two runs that a page compares, and their names.
 struct Difference {
@@ -252,8 +252,8 @@ TileFrame first_tile_frame(const ReportFile& report, const std::string& name) {
   throw sim::InputError(fmt::format("{} of {} has no frames", kTilesFile, name));
 }
 
-/// Adds an overlay with the difference by tile for each tile metric that differs between two runs. `note` is set to the
-/// metrics that are equal, or to the reason that tiles are not compared.
+/// For each tile metric that differs between two runs, adds an overlay with the difference of each tile. Sets `note` to
+/// the metrics that are equal, or to the reason why tiles are not compared.
 void add_tile_differences(const Difference& d, Json& grids, std::string& note) {
   const double width = d.a.number("resolution[0]"), height = d.a.number("resolution[1]");
   try {
@@ -304,7 +304,8 @@ Picture read_picture(const ReportFile& report) {
           data_url("image/png", bytes)};
 }
 
-/// Returns the mean absolute difference of two pictures in each square of kCell pixels, in 8-bit steps.
+/// Returns for each square of kCell x kCell pixels the mean absolute difference of two pictures, in steps of 8-bit
+/// colour.
 std::vector<double> cell_differences(const traces::Texture& a, const traces::Texture& b) {
   const std::uint32_t columns = (a.width + kCell - 1) / kCell, rows = (a.height + kCell - 1) / kCell;
   std::vector<double> sums(std::size_t{columns} * rows), counts(sums.size());
@@ -423,7 +424,7 @@ std::string json_for_html(const Json& json) {
   return escape_text(sim::json_line(json), {{'<', "\\u003c"}, {'>', "\\u003e"}, {'&', "\\u0026"}});
 }
 
-/// Returns an entry of a content security policy, which allows only a script or style whose hash is that of `text`.
+/// Returns an entry of a content security policy that allows only the script or style `text`, by its hash.
 std::string hash_source(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
   SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());
@@ -431,8 +432,8 @@ std::string hash_source(std::string_view text) {
   return fmt::format("'sha256-{}'", url.substr(url.find(',') + 1));
 }
 
-/// Moves pictures from a page's data into a list and replaces each by its index. Each picture is then stored once, and
-/// the page can be drawn before pictures are decoded.
+/// Moves the pictures from a page's data to `pictures` and replaces each by its index. Thus each picture is stored
+/// once, and the page can be drawn before pictures are decoded.
 void move_pictures(Json& node, Json& pictures) {
   if (node.is_structured()) {
     for (Json& child : node) move_pictures(child, pictures);

@@ -19,24 +19,25 @@ struct Options {
   bool force = false;
 };
 
-/// Writes an HTML page about one run, several runs, or a sweep. Throws InputError for other folders, for a mixture of
-/// these, and for an output file that may not be replaced.
+/// Writes an HTML page about one run, several runs, or one sweep or search. Throws InputError for other folders, for a
+/// mixture of these, and for an output file that may not be replaced.
 void write_report_page(const Options& options);
 
 /// Returns the title of a run's page: "chess, 1024x512, full:1".
 std::string run_title(const ReportFile& report);
 
-/// Returns a run's picture with overlays and debug pictures for a page, or {missing: reason}.
+/// Returns the JSON for a page with a run's picture, its overlays and debug pictures, or {missing: reason}.
 sim::Json run_picture(const ReportFile& report);
 
-/// Returns the block of the pictures of all frames: {type, id, title, width, height, frames: [{frame, picture}], note};
-/// null for a single frame. All pictures are scaled down equally, so that they fit into a page.
+/// Returns the JSON for the part of a page that plays the pictures of all frames: {type, id, title, width, height,
+/// frames: [{frame, picture}], note}; null for a single frame. All pictures are scaled down equally to limit the size
+/// of the page.
 sim::Json film_of_frames(const ReportFile& report);
 
-/// Returns the path of the table of tiles that belongs to a report: of a run or of its reference.
+/// Returns the path of the tiles.json that belongs to a report of a run or of its reference.
 std::filesystem::path tiles_file(const ReportFile& report);
 
-/// True if the folder has the results of a sweep or of a search.
+/// True if the folder is that of a sweep or a search.
 bool is_sweep(const std::filesystem::path& folder);
 
 /// Returns the data of a page about a sweep or a search, from the results so far:
@@ -57,11 +58,11 @@ sim::Json sweep_data(const std::filesystem::path& folder);
 /// Returns bytes as a data: URL.
 std::string data_url(std::string_view mime, std::string_view bytes);
 
-/// Returns a picture file as a data: URL. A picture with more than `max_pixels` pixels is reduced by averaging squares.
-/// Returns nothing if the file does not exist or is not a picture.
+/// Returns a picture file as a data: URL. A picture with more than `max_pixels` pixels is scaled down by averaging
+/// squares of pixels. Returns nothing if the file does not exist or is not a picture.
 std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels);
 
-/// The tiles of a picture as a grid, numbered row by row. `tile_of_row` has the tile number of each row of tiles.json.
+/// The grid of a picture's tiles, which are numbered row by row. `tile_of_row`: tile number of each row of tiles.json.
 struct TileGrid {
   double side = 0;
   std::size_t columns = 0, rows = 0;
@@ -71,20 +72,20 @@ struct TileGrid {
 /// Returns the tile grid of a picture. Throws InputError if tile positions are missing or outside the picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
-/// A metric that pages show for each tile: the sum of some columns of tiles.json minus another column. A tile with
-/// several rows has the sum of its rows.
+/// A metric that pages show for each tile: the sum of some columns of tiles.json, minus another column. If a tile has
+/// several rows, they are added.
 struct TileMetric {
   const char *id, *words, *unit;
   std::vector<const char*> columns;
   const char* minus = nullptr;
   double scale = 1;
 };
-/// Returns the tile metrics that pages can draw over a picture.
+/// Returns the tile metrics that pages can show as overlays of a picture.
 const std::vector<TileMetric>& tile_metrics();
 
 /// Returns the value of a metric for each tile of the grid. Throws InputError if the table lacks a column.
 std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
-/// Returns numbers as JSON for a page: integers exactly, others with five digits. Infinity and NaN become null.
+/// Returns numbers as JSON for a page: integers exact, others with five digits, infinity and NaN as null.
 sim::Json rounded_for_page(const std::vector<double>& values);
 
 }  // namespace tools::pages

@@ -33,11 +33,11 @@ struct Goal {
     const double room = is_less_better ? limit - value : value - limit;
     return limit == 0 ? fmt::format("{:.3g}", room) : fmt::format("{:.2f} %", 100 * room / std::abs(limit));
   }
-  /// A metric that is exactly at its limit counts as met, as for <= and >=.
+  /// True if the value meets the limit. A value equal to the limit meets it, even for < and >.
   bool is_met(double value) const { return is_less_better ? value <= limit : value >= limit; }
 };
 
-/// search.json, with all texts made printable. All members throw JsonError for a file of another form.
+/// Reader of search.json that makes all texts printable. All members throw JsonError for a file of another form.
 class SearchFile {
  public:
   explicit SearchFile(const Json& json) : json_(json) {
@@ -61,7 +61,7 @@ class SearchFile {
 
   bool has_point_per_machine() const { return json_.at("has_point_per_machine").get<bool>(); }
 
-  /// What the page adds for a search.
+  /// Returns the JSON member `search` of the page's data.
   Json member() const {
     Json out = {{"sentence", text(json_, "sentence")},
                 {"fidelity", text(json_, "fidelity")},
@@ -98,7 +98,7 @@ class SearchFile {
     return out;
   }
 
-  /// The page's data of a search on several workloads, in the form of sweep_data().
+  /// Returns the page's data for a search on several workloads, in the form of sweep_data() with a point per machine.
   Json page_data(const std::string& name) const {
     Json axes = Json::array(), metrics = Json::array(), points = Json::array(), best = Json::object(),
          texts_of = Json::array();
@@ -186,7 +186,8 @@ class SearchFile {
     }
     return out;
   }
-  /// For each constraint the number of machines that meet it, and the best machine's value, interval and room.
+  /// Returns for each constraint the number of machines that meet it, and the best machine's value, 95 % interval and
+  /// distance to the limit.
   Json limits_json() const {
     Json out = Json::array();
     for (std::size_t g = 0; g < goals_.size(); ++g) {
@@ -209,7 +210,8 @@ class SearchFile {
     }
     return out;
   }
-  /// The objective against the metric of a limit, of power if there is one; null without limits.
+  /// Returns a scatter plot of the objective over the metric of a constraint, preferably power; null without
+  /// constraints.
   Json scatter_json() const {
     std::optional<std::size_t> x;
     for (std::size_t g = 0; g < goals_.size(); ++g) {

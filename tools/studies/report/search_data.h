@@ -5,8 +5,8 @@
 
 namespace tools::pages {
 
-/// Adds what only the page of a search shows, from search.json of its folder, to the data of sweep_data(). A search on
-/// several workloads has a point per machine in place of one per simulation.
+/// Adds the data that only the page of a search shows to `page`, the result of sweep_data(). The data is read from
+/// search.json in the folder. For a search on several workloads, the points are replaced by machines.
 ///   search.sentence, fidelity, objective, checked, probability
 ///   search.limits          [[workload, frames, limit, value, half width, room, met, probability], ...] of the best
 ///   search.shares          [[workload and metric, value over limit, label], ...] of the best

@@ -36,7 +36,7 @@ const std::vector<std::string> kHeadlines = {"totals.perf.frames_per_joule_gpu",
 const std::vector<std::string> kSetHeadlines = {"geomean(totals.perf.frames_per_joule_gpu)", "geomean(totals.perf.fps)",
                                                 "worst(totals.perf.fps)", "worst(totals.power_w.nominal)",
                                                 "worst(totals.psnr_db)"};
-/// Metrics of the scatter of a sweep, in order of preference.
+/// Metrics that the scatter plot of a sweep shows first, in order of preference.
 const std::vector<std::string> kStart = {"totals.power_w.nominal", "totals.perf.fps", "totals.cycles",
                                          "totals.energy_mj.nominal"};
 const std::vector<std::string> kSetStart = {"worst(totals.power_w.nominal)", "worst(totals.perf.fps)",
@@ -68,7 +68,8 @@ const std::vector<Metric> kUsualMetrics = {{"totals.perf.fps", "frame rate", "nu
                                            {"totals.relative.speedup", "speed against reference", "number", "×"},
                                            {"totals.traced_ratio", "samples traced", "percent"}};
 
-/// A metric of a page of machines. `per_workload`: also shown on each workload.
+/// A metric that the page of a sweep over several workloads shows for machines. `per_workload`: also shown for each
+/// workload.
 struct SetFigure {
   Metric metric;
   bool per_workload = false;
@@ -85,7 +86,7 @@ const std::vector<SetFigure> kSetFigures = {
     {{"totals.worst_psnr_db", "PSNR of the worst frame", "number", "dB"}},
     {{"totals.area_mm2", "area", "number", "mm²"}}};
 
-/// Reads the task of a search from its folder. Returns nothing for a sweep, whose file has another schema.
+/// Reads the task of a search from its folder. Returns nothing for the folder of a sweep.
 std::optional<optimise::Task> task_in(const fs::path& folder) {
   try {
     return optimise::read_task(folder / "sweep.yaml");
@@ -102,7 +103,7 @@ std::string question_in(const fs::path& folder) {
   }
 }
 
-/// A sweep or a search with its results, and the data of its page.
+/// Makes the data of the page of a sweep or search from its results.
 class Sweep {
  public:
   Sweep(const fs::path& folder, const results::Results& results)
@@ -167,7 +168,8 @@ class Sweep {
   const std::vector<results::Row>& index_rows() const { return results_.rows(); }
   const std::vector<std::string>& headlines() const { return rows_.by_machine ? kSetHeadlines : kHeadlines; }
 
-  /// Returns the metrics of a page of machines: those of the machine, aggregates, and metrics on each workload.
+  /// Returns the metrics that a page shows for machines: those of the machine alone, aggregates over workloads, and
+  /// metrics on each workload.
   std::vector<Metric> set_metrics() const {
     std::vector<Metric> metrics;
     const auto add = [&](const Metric& of, const std::string& path, const std::string& words) {
@@ -190,7 +192,7 @@ class Sweep {
   static std::string path_on(const std::string& workload, const std::string& path) {
     return fmt::format("on({}, {})", workload, path);
   }
-  /// Rows that the page lists: all points, or the first point of each machine.
+  /// Returns the rows that the page lists: all points, or the first point of each machine.
   std::vector<std::size_t> listed_rows() const {
     std::vector<std::size_t> rows;
     const results::MachineSet& machines = results_.machines();
@@ -198,7 +200,7 @@ class Sweep {
       rows.push_back(machines.first_row(machine));
     return rows;
   }
-  /// Index of a row among listed_rows().
+  /// Returns the index of a row among listed_rows().
   std::size_t index_of(std::size_t row) const { return results_.machines().machine_of[row]; }
   Json indices_of(const std::vector<std::size_t>& rows) const {
     Json indices = Json::array();
@@ -214,7 +216,7 @@ class Sweep {
       return {};
     }
   }
-  /// Adds a metric to the page if at least one point has it.
+  /// Adds a metric to the page if at least one point has a value of it.
   void add_metric(Metric metric) {
     try {
       const results::Objective objective(results_, metric.path);
@@ -270,8 +272,8 @@ class Sweep {
     const Metric* const usual = metric_at(headlines()[0]);
     return usual != nullptr || metrics_.empty() ? usual : &metrics_.front();
   }
-  /// Returns the row of the best eligible point in a metric. Goals and headline metrics break ties, so that the point
-  /// is on the Pareto front.
+  /// Returns the row of the eligible point with the best value of a metric. Ties are broken by the goals and headline
+  /// metrics, so that the point is on the Pareto front.
   std::optional<std::size_t> best_row(const Metric& metric) const {
     std::vector<const Metric*> order = {&metric};
     add_metrics_at(goal_paths_, order);
@@ -330,7 +332,7 @@ class Sweep {
     }
     return out;
   }
-  /// Returns the workloads, and the fields of each metric that is shown per workload; null without a set.
+  /// Returns the workloads, and for each metric that is shown per workload its fields; null unless machines are shown.
   Json workloads_json() const {
     if (!rows_.by_machine) return {};
     Json names = Json::array(), figures = Json::array();
@@ -370,8 +372,8 @@ class Sweep {
     }
     return out;
   }
-  /// Returns for each constraint the number of points that meet it, and the best point's value, 95 % interval and
-  /// distance to the limit.
+  /// Returns for each constraint of a search the number of points that meet it, and the best point's value, 95 %
+  /// interval and distance to the limit.
   Json limits_json(std::optional<std::size_t> best) const {
     Json out = Json::array();
     const std::vector<std::size_t> done = done_rows();
@@ -394,8 +396,7 @@ class Sweep {
     }
     return out;
   }
-  /// Returns a note on the points that tie with the best one, as `sweep best` finds them: "; 3 points tie with it
-  /// (...)".
+  /// Returns a note on the points that are not significantly worse than the best: "; 3 points tie with it (...)".
   std::string ties_text(const Metric& metric, std::size_t best) const {
     const std::vector<std::size_t> candidates = candidates_of(metric);
     const results::FigureNoise noise(results_, results_.column(metric.path), candidates);
@@ -407,8 +408,8 @@ class Sweep {
                                    : fmt::format("{} {}s tie", ties, rows_.noun()),
                        noise.describe());
   }
-  /// Returns the initial scatter plot: its two metrics, their Pareto front, and the points that equal the front within
-  /// noise. A search shows its objectives, a sweep power and frame rate.
+  /// Returns the initial scatter plot: two metrics, their Pareto front, and the points within noise of the front. A
+  /// search shows its objectives, a sweep shows power and frame rate.
   Json start_json() const {
     std::vector<const Metric*> first;
     for (std::size_t g = 0; g < goals().size(); ++g) {
@@ -434,7 +435,7 @@ class Sweep {
     }
     return {{"x", first[0]->path}, {"y", first[1]->path}, {"front", indices_of(front)}, {"near", indices_of(near)}};
   }
-  /// Returns the effect of each axis on a metric; null if the metric does not vary.
+  /// Returns how much each axis affects a metric; null if the metric does not vary.
   Json sensitivity_json(const Metric& metric) const {
     try {
       const results::Sensitivity found = results::find_sensitivity(results_, metric.path, done_);
