@@ -132,8 +132,8 @@ class MemoryForms {
     return {rate * mshrs / starts, "L1 miss registers", tni_ == l2_};
   }
   /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. One request per
-  /// cycle crosses into the port's clock. A slot of the wire is free again one clock crossing after the port has taken
-  /// the request.
+  /// cycle crosses into the port's clock. The client can reuse a slot of the wire at its first clock edge at least a
+  /// port cycle after the port has taken the request.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
@@ -194,7 +194,7 @@ std::vector<CacheInClock> first_level_caches(const hw::GpuConfig& config) {
 
 }  // namespace
 
-/// The memory system of a machine, with a Reader (test client) in place of every first-level cache. A core has one
+/// The memory system of a machine, with a Reader (test client with an L1) for every first-level cache. A core has one
 /// Reader per traversal unit, one for the intersection unit and one for the shader core.
 class MemorySide {
  public:

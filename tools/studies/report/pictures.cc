@@ -163,7 +163,7 @@ constexpr std::uint64_t kLargestPictures = 3'900'000;
 constexpr std::uint64_t kLargestDebug = 1'000'000;  ///< limit for debug pictures alone
 constexpr std::uint64_t kLargestFilm = 1'500'000;   ///< limit for the pictures of all frames
 constexpr std::size_t kFilmPixels = 1 << 20;        ///< initial limit of the pixels of all frames together
-constexpr std::size_t kLeastFilmPixels = 1 << 10;   ///< minimum pixels of a frame
+constexpr std::size_t kLeastFilmPixels = 1 << 10;   ///< smallest limit of the pixels of one frame
 constexpr std::size_t kMostFilmFrames = 600;
 
 /// The overlays of a picture, as JSON for a page. A tile overlay is {id, name, tile, unit, values, low, high}, a pixel

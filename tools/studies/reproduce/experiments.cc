@@ -10,7 +10,7 @@ namespace tools::reproduce {
 
 namespace {
 
-/// Setting for quick runs that reduces the triangles of a built-in scene.
+/// Setting that reduces the number of triangles of a built-in scene, for quick runs.
 constexpr const char* kFewTriangles = "scene.triangles=15000";
 
 Sets join_sets(Sets a, const Sets& b) {
@@ -40,8 +40,8 @@ Case case_of(const View& view, std::string setting, std::uint32_t width, std::ui
 
 }  // namespace
 
-// Lee 2016: multi-rate sampling at 2048x1024. There is no rate control, which section 5 of the paper lists as future
-// work. Measured on T&I units alone, as in figure 7, and on the whole machine.
+// Lee 2016: multi-rate sampling at 2048x1024. The paper's rate control is missing, which its section 5 lists as future
+// work. The experiments measure T&I units alone, as figure 7 of the paper, and the whole machine.
 namespace {
 
 View view_of_lee(const std::string& scene, bool quick) {
@@ -89,7 +89,7 @@ std::vector<Case> lee_cases(bool quick) {
     }
     for (const bool super : {true, false}) {
       Case c = multirate_case(view, super, quick);
-      c.reference = c.run;  // attributes in the tile buffer, the default
+      c.reference = c.run;  // the default: attributes are stored in the tile buffer
       c.run.sets = {"multirate.attributes=dram"};
       c.metrics = metric_list("attributes in DRAM", {"dram_bytes_ratio", "energy_ratio", "time_ratio"});
       cases.push_back(std::move(c));
@@ -129,8 +129,8 @@ View view_of_kim(const std::string& scene, bool quick) {
   return view;
 }
 
-/// Returns an undersampling experiment with `samples_per_side` squared samples per pixel. The reference traces all
-/// samples.
+/// Returns an undersampling experiment with a grid of `samples_per_side` x `samples_per_side` samples per pixel. The
+/// reference traces all samples.
 Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t samples_per_side,
                       bool quick) {
   return case_of(view, fmt::format("{}x{}", samples_per_side, samples_per_side), width, height,
@@ -138,7 +138,7 @@ Case undersample_case(const View& view, std::uint32_t width, std::uint32_t heigh
                  {fmt::format("full:{}", samples_per_side * samples_per_side)}, quick);
 }
 
-/// Adds the cases of one scene for tables 3(a) and 5 and for figures 1 and 6.
+/// Adds the experiments on one scene for tables 3(a) and 5 and figures 1 and 6 of Kim 2016.
 void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick) {
   const View view = view_of_kim(scene, quick);
   for (const std::uint32_t width : {512U, 1024U, 2048U}) {
@@ -158,7 +158,7 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
   }
 }
 
-/// Adds the cases of figure 6: thin objects and their shadows, with and without post-correction.
+/// Adds the experiments of Kim's figure 6: thin objects and their shadows, with and without post-correction.
 void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
   const View view = view_of_kim("bathroom", quick);
   Case without = undersample_case(view, 1024, 1024, 1, quick);
@@ -178,7 +178,7 @@ void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
   cases.insert(cases.end(), {without, shadows, fine});
 }
 
-/// Adds the cases of table 3(b): mirrors cover 20 to 100 % of the bathroom's pixels.
+/// Adds the experiments of Kim's table 3(b): mirrors cover 20 to 100 % of the bathroom's pixels.
 void add_table_3b(std::vector<Case>& cases, bool quick) {
   for (const std::uint32_t share : {20U, 40U, 60U, 80U, 100U}) {
     if (quick && share % 40 != 20) continue;
@@ -208,7 +208,7 @@ void add_table_4(std::vector<Case>& cases, bool quick) {
     if (quick && grid > 1) continue;
     Case c = undersample_case(view_of_kim("hairball", quick), 3840, 2160, grid, quick);
     c.machine = grid <= 2;
-    // Correction is off, because its scans would store 38 GB for 16 x 16 samples per pixel.
+    // Post-correction is off, because its scans would store 38 GB of data for 16 x 16 samples per pixel.
     if (grid > 4) c.run.sets.emplace_back("undersample.correction=off");
     c.metrics = metric_list("table 4", {"speedup", "traced_ratio", "psnr_db"});
     cases.push_back(std::move(c));
@@ -233,7 +233,7 @@ std::vector<Case> kim_cases(bool quick) {
 
 namespace {
 
-/// Attributes whose thresholds exist twice: for primary hits, and for hits of secondary rays ("secondary_").
+/// Attributes that have two thresholds: for primary hits, and (prefix "secondary_") for hits of secondary rays.
 constexpr const char* kGeometry[] = {"object", "normal", "shadow", "texture"};
 
 View view_of_jin(const std::string& scene, bool quick) {
@@ -251,13 +251,13 @@ View view_of_jin(const std::string& scene, bool quick) {
 
 std::string threshold_key(const std::string& key, double value) { return fmt::format("supersample.{}={}", key, value); }
 
-/// Sets the threshold of an attribute for both primary and secondary hits.
+/// Adds settings for the threshold of an attribute, for both primary and secondary hits.
 void set_both_thresholds(Sets& sets, const std::string& key, double value) {
   sets.push_back(threshold_key(key, value));
   sets.push_back(threshold_key("secondary_" + key, value));
 }
 
-/// Returns supersampling with the paper's default thresholds. `alpha`: threshold of colour and texture.
+/// Returns the adaptive supersampling program with Jin's default thresholds. `alpha`: threshold of colour and texture.
 ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
   ProgramSetup program{"supersample", {threshold_key("colour", alpha)}};
   set_both_thresholds(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
@@ -300,7 +300,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
   add("in focus", shadows);
 }
 
-/// Adds the cases of figure 6, where one attribute has a strict threshold and all others have threshold 1.
+/// Adds the experiments of Jin's figure 6: one attribute has a strict threshold, all others have threshold 1.
 void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
   view.sets = reproduction_settings();
@@ -319,8 +319,8 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds the cases of figure 7, quality over number of samples. Samples are added by the colour test alone, or by all
-/// tests.
+/// Adds the experiments of Jin's figure 7: quality over number of samples. Samples are added by the colour test alone,
+/// or by all tests.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
@@ -386,13 +386,13 @@ Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, c
   return case_of(view, setting.name, pixels, pixels, setting.run, reference, quick);
 }
 
-/// Adds the settings with which T&I units never wait for rays to a program, so that T&I units are measured alone.
+/// Returns the program with settings added so that T&I units never wait for rays and are measured alone.
 ProgramSetup with_tni_alone_settings(ProgramSetup program) {
   program.sets = join_sets(std::move(program.sets), tni_alone_settings());
   return program;
 }
 
-/// Adds cases that measure frame times at several resolutions, and the share of the geometry pass.
+/// Adds experiments that measure frame times at several resolutions, and the share of the geometry pass.
 void add_times(std::vector<Case>& cases, bool quick) {
   const View view = sponza_view(quick);
   for (const std::uint32_t pixels : {256U, 512U, 768U, 1024U}) {
@@ -415,7 +415,8 @@ void add_times(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds cases that write pictures: one of each filter, and one of four shaded samples per pixel for comparison.
+/// Adds experiments that write pictures: one for each reconstruction filter, and one with four shaded samples per pixel
+/// for comparison.
 void add_picture_cases(std::vector<Case>& cases, const std::string& figure, const View& view,
                        const std::vector<Crop>& crops, bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
@@ -433,7 +434,8 @@ void add_picture_cases(std::vector<Case>& cases, const std::string& figure, cons
   }
 }
 
-/// Adds cases that measure errors by class of pixels (Mask), for each filter and its variants.
+/// Adds experiments that measure the error in each class of pixels (Mask), for each reconstruction filter and its
+/// variants.
 void add_quality_cases(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
                        std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
   for (const Setting& s : {Setting{"none", unfiltered_program()},
@@ -489,12 +491,12 @@ std::vector<Case> chiu_cases(bool quick) {
   return cases;
 }
 
-// Mechanisms of the SGRT papers, each compared with its predecessor on five scenes and on machines with different
-// bottlenecks. Run and reference differ in one mechanism only.
+// Mechanisms of the SGRT papers. Each is compared with its predecessor on five scenes and on machines with different
+// bottlenecks. Run and reference differ in this mechanism only.
 
 namespace {
 
-/// Returns a case with one sample per pixel and 512x256 pixels; a quarter of both sides if `quick`.
+/// Returns an experiment with one sample per pixel at 512x256 pixels; a quarter of width and height if `quick`.
 Case case_of_full_1(const View& view, const std::string& setting, const Sets& run, const Sets& reference, bool quick) {
   const std::uint32_t part = quick ? 4 : 1;
   return case_of(view, setting, 512 / part, 256 / part, {"full:1", run}, {"full:1", reference}, false);
@@ -508,7 +510,7 @@ struct Machine {
 Machine whole_gpu() { return {"whole GPU", {}}; }
 /// Returns the machine that the papers measured, in which T&I units never wait for rays.
 Machine tni_alone_machine() { return {"T&I alone", tni_alone_settings()}; }
-/// Returns a machine with one traversal unit per intersection unit, where traversal rarely waits for intersection.
+/// Returns a machine with one traversal unit per intersection unit, so that traversal rarely waits for intersection.
 Machine one_trv_machine() {
   Machine machine = tni_alone_machine();
   machine.name = "T&I alone, one TRV";
@@ -532,7 +534,7 @@ std::vector<View> sgrt_views(bool quick) {
   return all;
 }
 
-/// Collects the experiments for one view of a scene. Each experiment has a run and a reference run.
+/// Collects the experiments on one view of a scene. Each has a run and a reference run.
 class Plan {
  public:
   Plan(std::vector<Case>& cases, const View& view, bool quick) : cases_(cases), view_(view), quick_(quick) {}
@@ -550,8 +552,8 @@ class Plan {
   const bool quick_;
 };
 
-/// Compares traversal with two box testers with that of the unit before 2014: one box tester, one pipe shared by boxes
-/// and leaves, one record per box.
+/// Adds experiments that compare traversal with two box testers with the unit before 2014: one box tester, one pipe
+/// shared by boxes and leaves, one record per box.
 void add_two_box_cases(Plan& plan, const Machine& m) {
   plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
            join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});
@@ -568,7 +570,7 @@ void add_reorder_cases(Plan& plan, const Machine& m) {
   }
 }
 
-/// Adds cases that vary two sizes that the paper does not give: rays in flight per unit, and cache size.
+/// Adds experiments that vary two sizes that the paper does not state: rays in flight per unit, and cache size.
 void add_size_cases(Plan& plan, const Machine& m) {
   const auto add = [&](const std::string& size, const Sets& sets) {
     for (const char* other : {"bypass", "blocking"}) {
@@ -593,7 +595,7 @@ void add_direct_interface_cases(Plan& plan, const Machine& m) {
              join_sets(join_sets(m.sets, {"direct_interface.enabled=false"}), off), metrics);
   };
   add("", {});
-  // Rings of 512 rays and hits take 48 KiB per core. They are overwritten before the L2 evicts them.
+  // The ring buffers of 512 rays and hits take 48 KiB per core. Their lines are overwritten before the L2 evicts them.
   if (m.name == "T&I alone") add(", records stay in the L2", {"direct_interface.ring=512"});
 }
 
@@ -616,7 +618,7 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
       add_direct_interface_cases(plan, m);
     }
     if (!quick) add_size_cases(plan, tni_alone_machine());
-    // Cases with another BVH come last, so that each BVH is built once.
+    // Experiments with another BVH come last, so that each BVH is built once.
     for (const Machine& m : machines) add_hybrid_cases(plan, m);
     machines.push_back(one_trv_machine());
     for (const Machine& m : machines) add_two_box_cases(plan, m);
@@ -624,8 +626,8 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
   return cases;
 }
 
-// Rasterisers for primary visibility, compared with tracing all rays. The gain depends on the remaining rays. Each
-// scene therefore has three sets of effects: shadows; reflections and refractions; occlusion and soft shadows. The last
+// Rasterisers find the primary hits, compared with tracing all rays. The gain depends on the remaining rays. Each scene
+// therefore has three sets of effects: shadows; reflections and refractions; occlusion and soft shadows. The third set
 // is measured at full and at half rate.
 
 namespace {

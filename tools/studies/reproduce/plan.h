@@ -6,10 +6,10 @@
 
 namespace tools::reproduce {
 
-/// Configuration settings, as arguments of the option --set.
+/// Configuration settings "KEY=VALUE", as arguments of the option --set.
 using Sets = std::vector<std::string>;
 
-/// A scene and camera of a paper, and the scene that replaces it here.
+/// A scene and camera of a paper, and the scene that replaces them here.
 struct View {
   std::string scene;               ///< name in the paper
   std::string stand_in;            ///< workload or built-in scene, used if no file of `files` exists; may be empty
@@ -20,7 +20,7 @@ struct View {
   friend bool operator==(const View&, const View&) = default;
 };
 
-/// A frame program of an experiment, and its configuration settings.
+/// The frame program of an experiment, and its configuration settings.
 struct ProgramSetup {
   std::string name{};
   Sets sets{};
@@ -28,38 +28,39 @@ struct ProgramSetup {
   std::string program_text() const;
 };
 
-/// A metric to measure (runner.h), and the paper's table or figure that shows it.
+/// A metric to measure (find_metric()), and the paper's table or figure that has its published value.
 struct PaperMetric {
   std::string experiment, metric;
 };
 
-/// A square detail of a picture, shown enlarged eight times. Centre in shares of width and height; side as a share of
-/// the height.
+/// A square detail of a picture, written enlarged eight times. `x` and `y`: centre, as shares of the picture's width
+/// and height. `side`: as a share of the height.
 struct Crop {
   std::string name;
   double x = 0, y = 0, side = 0;
 };
 
-/// One experiment: a setting on one scene, with its run, its reference run, and the metrics to measure.
+/// One experiment of a paper: a scene and a setting, with a run, a reference run, and the metrics to measure.
 struct Case {
   View view;
   std::string setting;
   std::uint32_t width = 0, height = 0;
   ProgramSetup run{};
   ProgramSetup reference{};
-  bool machine = true;  ///< false: only the picture and sample counts are computed, without timing
-  bool truth = false;   ///< true: PSNR is relative to 256 samples per pixel, not to the reference
+  bool machine = true;  ///< false: only the picture and sample counts are computed; no machine is simulated
+  bool truth = false;   ///< true: PSNR compares with a picture of 256 samples per pixel, not with the reference
   std::vector<PaperMetric> metrics{};
   std::string
       picture{};  ///< name of the output files figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
-  std::vector<Crop> crops{};  ///< details to write as figure-PICTURE-NAME.png, also of the reference and the difference
+  std::vector<Crop> crops{};  ///< details to write as figure-PICTURE-NAME.png, also of the reference and difference
 };
 
-/// The experiments of a paper. `quick` selects some of them and reduces their resolution and numbers of triangles.
+/// A paper whose experiments can be reproduced. `cases`: returns them; with `quick` only some, at lower resolution and
+/// with fewer triangles.
 struct Paper {
   std::string_view name;
   std::string_view title;
-  std::string_view note;  ///< advice on comparing published with measured values; may be empty
+  std::string_view note;  ///< advice on how to compare measured with published values; may be empty
   std::vector<Case> (*cases)(bool quick);
 };
 std::vector<Case> lee_cases(bool quick);
@@ -72,14 +73,15 @@ std::vector<Case> hybrid_cases(bool quick);
 /// Returns all papers whose experiments can be reproduced.
 const std::vector<Paper>& all_papers();
 
-/// Returns settings of lights and rendering that all experiments use. traces/workloads/reproduction.yaml has the same
-/// settings for built-in scenes.
+/// Returns the settings of lights and rendering that all experiments use. traces/workloads/reproduction.yaml has the
+/// same settings for built-in scenes.
 Sets reproduction_settings();
 
-/// Returns settings with ideal shader cores and tile buffers. T&I units then never wait for rays.
+/// Returns settings with ideal shader cores and tile buffers, with which T&I units never wait for rays. They measure
+/// T&I units alone.
 Sets tni_alone_settings();
 
-/// Returns the side of a picture in pixels: `pixels`, or one sixteenth of it if `quick`.
+/// Returns the width or height of an experiment's picture: `pixels`, or a sixteenth of it if `quick`.
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick);
 
 }  // namespace tools::reproduce

@@ -32,10 +32,10 @@
 namespace tools::reproduce {
 namespace {
 
-/// Results that an earlier run has left in the output folder.
+/// Results of an earlier run in the output folder.
 struct Former {
-  std::size_t rows = 0;       ///< number of result rows; results with fewer rows do not replace them
-  std::vector<Row> finished;  ///< rows of an interrupted run of the same experiments, which are reused
+  std::size_t rows = 0;       ///< number of rows; new results replace them only with more rows, or when complete
+  std::vector<Row> finished;  ///< reusable rows, if it was an interrupted run of the same experiments
 };
 
 }  // namespace
@@ -217,7 +217,7 @@ std::string results_text(const Results& results) {
 
 namespace {
 
-/// Returns a Markdown table with the frame program and the reference program of each setting.
+/// Returns a Markdown table with the frame program and the reference program of each setting of `rows`.
 std::string programs_markdown(std::span<const Row> rows) {
   std::string out = "\n| setting | run | compared with |\n|---|---|---|\n";
   std::vector<std::string> listed;
@@ -371,7 +371,7 @@ sim::Json provenance_json(const Options& options, const RunConfig& config) {
           {"argv", options.argv}};
 }
 
-/// Runs the cases of a paper, collects result rows and writes the output files.
+/// Runs the experiments of a paper, collects result rows and writes the output files.
 class Job {
  public:
   Job(const Options& options, const Paper& paper, const RunConfig& config)
@@ -387,7 +387,7 @@ class Job {
     provenance_ = provenance_json(options, config);
   }
 
-  /// Sets the cases to measure. Loads rows of an interrupted run in `folder` for reuse.
+  /// Sets the experiments to run. Loads rows of an interrupted run in `folder` for reuse.
   void begin_cases(std::vector<Case> cases, const fs::path& folder) {
     cases_ = std::move(cases);
     former_ = load_earlier_results(folder, header_json());
@@ -397,8 +397,8 @@ class Job {
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures cases until there are more result rows than an interrupted run has left in `folder`, at least one case.
-  /// Then replaces the results in `folder`, so that no earlier row is lost.
+  /// Runs at least one experiment, and more until there are more result rows than in `folder`. Then replaces the
+  /// results in `folder`, so that no earlier row is lost.
   void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
@@ -426,7 +426,7 @@ class Job {
     next_ += 1;
   }
 
-  /// Copies the rows of a case from an earlier run. Returns false if that run has not finished the case.
+  /// Copies the rows of an experiment from an earlier run. Returns false if that run has not finished the experiment.
   bool reuse_rows(const Case& c) {
     std::vector<Row> rows;
     const std::string stand_in = stand_in_or_none(c.view);
@@ -491,7 +491,7 @@ class Job {
     }
   }
 
-  /// Copies the pictures of reused cases to the new results.
+  /// Copies the pictures of reused experiments to the folder of the new results.
   static void copy_pictures(const fs::path& from, const fs::path& to) {
     for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
       const fs::path name = entry.path().filename();
@@ -502,7 +502,7 @@ class Job {
     }
   }
 
-  /// Returns the header of reproduce.json: all inputs of the result rows except their cases.
+  /// Returns the header of reproduce.json: all inputs that the result rows have in common.
   sim::Json header_json() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
@@ -535,7 +535,7 @@ class Job {
   sim::Json provenance_;
 };
 
-/// Returns the cases of a paper at the resolution requested by `options`.
+/// Returns the experiments of a paper at the resolution that `options` requests.
 std::vector<Case> cases_of(const Paper& paper, const Options& options) {
   std::vector<Case> cases = paper.cases(options.quick);
   for (Case& c : cases) {
@@ -557,7 +557,7 @@ void reproduce(const Options& options) {
   JobOptions plain;
   plain.config = options.config;
   Job job(options, paper, load_run_config(plain));
-  std::optional<HoldInterrupts> hold;  // set once the first results are written; from then on an interrupt keeps them
+  std::optional<HoldInterrupts> hold;  // set once results are written, so that an interrupt does not lose them
   std::exception_ptr failure;
   try {
     for (job.begin_cases(cases_of(paper, options), folder.target()); !job.is_done();) {
@@ -572,7 +572,7 @@ void reproduce(const Options& options) {
   }
   job.end_progress(failure != nullptr);
   const bool some_are_kept = hold.has_value();
-  hold.reset();  // a delayed interrupt ends the process here
+  hold.reset();  // a pending interrupt ends the process here
   if (some_are_kept) {
     fmt::print("{}\nresults: {}\n", results_text(job.current_results()), (folder.target() / "reproduce.md").string());
   }

@@ -11,11 +11,11 @@
 
 namespace tools::reproduce {
 
-/// Runs the experiments of a paper and compares measured with published values. Prints a table at the end.
-///   1. After each setting the output folder is updated: reproduce.md, reproduce.json and pictures. They are marked as
-///      partial until all settings are done.
-///   2. After an interruption the same call continues with the missing settings.
-///   3. A missing or broken scene loses only its own rows.
+/// Runs the experiments of a paper, compares measured with published values, and prints a table of both.
+///   1. After each experiment the files in the output folder are updated: reproduce.md, reproduce.json and pictures.
+///      The results are marked as partial until all experiments are done.
+///   2. After an interruption the same call continues with the missing experiments.
+///   3. If a scene is missing or broken, only the rows of this scene have no values.
 /// Throws InputError for an unknown paper or an invalid configuration, before anything runs.
 void reproduce(const Options& options);
 
@@ -41,7 +41,7 @@ Published load_published(const std::string& paper);
 /// {low: number, high: number}.
 Published parse_published(const std::string& text, const std::string& name);
 
-/// A row of the table of results: a metric with its measured and its published value.
+/// A row of the results of a paper: a metric with its measured and its published value.
 struct Row {
   MetricKey key;
   std::string stand_in;
@@ -59,7 +59,7 @@ struct Results {
   std::vector<Row> rows;  ///< in the order of measurement
 };
 
-/// Formats results as a table for the terminal, or as Markdown with a table per experiment.
+/// Formats the results of a paper as a table for the terminal, or as Markdown with a table per experiment.
 std::string results_text(const Results& results);
 std::string results_markdown(const Results& results, const std::vector<std::string>& pictures);
 

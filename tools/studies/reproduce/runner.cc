@@ -32,7 +32,7 @@ namespace {
 
 using traces::MaterialRecord;
 
-constexpr float kMirrored = 0.3F;  ///< share of the light that a material reflects after it is made a mirror
+constexpr float kMirrored = 0.3F;  ///< share of the light that a material reflects after it was changed to a mirror
 constexpr double kTolerance = 0.01;
 constexpr std::uint32_t kProbePixels = 96;  ///< width of the small picture in which reflecting pixels are counted
 
@@ -312,7 +312,7 @@ std::uint64_t dram_bytes_of(const ProgramResult& o) {
   return Units<hw::DramChannel>(o.simulation.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
-/// Returns the share of cache lines read by T&I units that hit the L1 at the first probe.
+/// Returns the share of the cache lines read by T&I units that hit the L1 at the first probe.
 double l1_first_probe_hit_rate(const ProgramResult& o) {
   const std::uint64_t lines = l1_counter(o, &hw::FetchStats::l1_hits) + l1_counter(o, &hw::FetchStats::rau_reads);
   return 1 - ratio_of(l1_counter(o, &hw::FetchStats::l1_late), lines).value_or(0);
@@ -321,7 +321,7 @@ double l1_hit_rate(const ProgramResult& o) {
   return ratio_of(l1_counter(o, &hw::FetchStats::l1_hits), l1_counter(o, &hw::FetchStats::l1_accesses)).value_or(0);
 }
 
-/// Returns the number of operations, of all classes, in the shader cores' functional units.
+/// Returns the number of operations of all classes that the shader cores' functional units executed.
 double srp_operations(const ProgramResult& o) {
   using Stats = hw::Srp::Stats;
   const Units<hw::Srp> cores(o.simulation.units);
@@ -336,8 +336,8 @@ double srp_operations(const ProgramResult& o) {
 Value ops_of_traced(const Comparison& c) {
   return ratio_of(srp_operations(c.reference), static_cast<double>(c.run.sampling_counts().wanted));
 }
-/// Returns the mean number of SRP operations for an interpolated sample. Assumes that a traced sample takes as many
-/// operations as in the reference run.
+/// Returns the mean number of shader-core operations per interpolated sample. Assumes that a traced sample takes as
+/// many operations as in the reference run.
 Value ops_of_interpolated(const Comparison& c) {
   const auto traced = static_cast<double>(c.run.sampling_counts().traced);
   return ratio_of(srp_operations(c.run) - traced * ops_of_traced(c).value_or(0),

@@ -15,12 +15,13 @@
 
 namespace tools::reproduce {
 
-/// Classes of pixels, by how their sixteen samples on a regular grid differ. The first class that applies counts.
+/// The classes of pixels, by how the sixteen samples of a pixel on a regular grid differ. A pixel has the first class
+/// that applies.
 enum class Mask : std::uint8_t {
   kObjectEdge,  ///< visible objects differ, or a normal differs from that of the first sample (dot product below 0.9)
   kShadowEdge,  ///< a light reaches only some samples
   kReflectionEdge,  ///< objects or shadows seen in a mirror or through glass differ
-  kTextureEdge,     ///< the surface is textured, and colours differ by more than 0.1 in a channel (sRGB-encoded)
+  kTextureEdge,     ///< the surface is textured, and colours (sRGB-encoded) differ by more than 0.1 in a channel
   kElsewhere,
   kCount
 };
@@ -44,16 +45,16 @@ struct ProgramResult {
   const kernels::Sampling& sampling_counts() const { return simulation.rendered.sampling; }
 };
 
-/// The inputs of a metric: a run, its reference run, and errors between their pictures.
+/// The inputs from which a metric is computed: a run, its reference run, and the errors between their pictures.
 struct Comparison {
   const ProgramResult& run;
   const ProgramResult& reference;
   double squared_error = 0;                  ///< mean squared error of the picture
   MaskedErrors masked{};                     ///< mean squared error by class of pixels, if a metric needs it
-  std::optional<double> reflective_share{};  ///< share of the view's pixels that reflect
+  std::optional<double> reflective_share{};  ///< share of the view's pixels whose surface reflects
 };
 
-/// A metric that compares a run with its reference.
+/// A metric that compares a run with its reference run.
 struct Metric {
   enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount, kMilliseconds };
   std::string_view name;
@@ -65,7 +66,7 @@ struct Metric {
   std::optional<double> (*measure)(const Comparison&);
 };
 
-/// Returns the metric with this name; throws std::logic_error if there is none.
+/// Returns the metric with this name. Throws std::logic_error if there is none.
 const Metric& find_metric(std::string_view name);
 
 /// True if the metric needs errors by class of pixels (Comparison::masked).
@@ -94,25 +95,26 @@ struct Measured {
   std::string why_not{};
 };
 
-/// Measures the metrics of a paper's cases. Consecutive cases share their scene, BVH and runs where these are equal.
+/// Measures the metrics of a paper's experiments. Consecutive experiments share the loaded scene, the BVH and the runs
+/// where these are equal.
 class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}
 
-  /// Returns the values of the case's metrics, in the order of Case::metrics. Throws InputError if its scene does not
-  /// exist or cannot be read.
+  /// Runs an experiment and returns the values of its metrics, in the order of Case::metrics. Throws InputError if its
+  /// scene does not exist or cannot be read.
   std::vector<Measured> measure_case(const Case& c);
 
   /// Returns the name or file of the scene that replaces the paper's scene. Throws InputError if there is none.
   std::string find_stand_in_scene(const View& view) const;
 
-  /// Writes the pictures of the last measured case: of the run, of its reference, and four times their difference. Also
-  /// writes the run's debug pictures (picture.h) and crops.
+  /// Writes the pictures of the last measured experiment: of the run, of its reference, and four times their
+  /// difference. Also writes the run's debug pictures (picture.h) and crops.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 
  private:
   void set_view(const Case& c);
-  /// Loads the scene of a case and builds its BVH with the settings of the program.
+  /// Loads the scene of an experiment and builds its BVH with the settings of the program.
   void load_scene(const Case& c, const ProgramSetup& program);
   JobOptions job_options(const Case& c, const ProgramSetup& program) const;
   const ProgramResult& result_of(const Case& c, const ProgramSetup& program);
@@ -136,7 +138,7 @@ class Runner {
 double reflective_share(Inputs& inputs, std::uint32_t threads);
 
 /// Changes materials to mirrors or to diffuse until about `share` (0 to 1) of the view's pixels reflect. Glass is
-/// unchanged. Materials are changed in order of the pixels that they cover, largest first, as long as they fit.
+/// unchanged. The material that covers most pixels is changed first; one that would exceed `share` is skipped.
 void set_reflective_share(Inputs& inputs, double share, std::uint32_t threads);
 
 }  // namespace tools::reproduce

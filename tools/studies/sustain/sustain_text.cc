@@ -10,7 +10,7 @@ namespace {
 
 using sim::Json;
 
-/// Joins the values of all clock domains to a text: "500/1000/500".
+/// Joins the values of all clock domains into a text: "500/1000/500".
 std::string join_domain_values(const std::vector<double>& values) {
   std::string text;
   for (const double value : values) text += fmt::format("{}{:.4g}", text.empty() ? "" : "/", value);

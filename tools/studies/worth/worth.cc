@@ -31,7 +31,7 @@ using sim::Json;
 using sweep::PointStatus;
 using sweep::Store;
 
-constexpr std::uint32_t kLargestBatch = 64;  ///< machines simulated at a time where all are
+constexpr std::uint32_t kLargestBatch = 64;  ///< largest batch when all machines are simulated
 
 ReportFile read_point_report(const Store& store, const std::string& id) {
   const std::optional<std::string> bytes = store.read_report(id);
@@ -41,7 +41,7 @@ ReportFile read_point_report(const Store& store, const std::string& id) {
   return report;
 }
 
-/// Returns a metric under low, nominal and high tables; all equal for a metric without a band.
+/// Returns a report's metric under low, nominal and high tables; all equal for a metric without a band.
 sim::Band band_of(const ReportFile& report, const std::string& path) {
   constexpr std::string_view kArea = "totals.area_mm2", kNominal = ".nominal";
   if (path == kArea) return band_at(report, "totals.area_band_mm2");
@@ -72,7 +72,7 @@ WorkloadResult workload_result(const std::vector<Goal>& goals, const WorkloadRun
   return out;
 }
 
-/// Returns the machine of a trial.
+/// Converts a search's trial to a machine of the result.
 Machine machine_of(const SearchRun& search, const Trial& trial, const Store& store) {
   Machine machine;
   for (const auto& [name, value] : trial.axes) machine.axes.emplace_back(sim::printable(name), sim::printable(value));
@@ -95,7 +95,7 @@ Machine machine_of(const SearchRun& search, const Trial& trial, const Store& sto
   return machine;
 }
 
-/// Reads what a finished search has found.
+/// Reads the result of a finished search into `side`.
 void read_search(const SearchRun& search, const Store& store, SideAnswer& side) {
   side.machines = search.simulated_count();
   side.failed = static_cast<std::size_t>(std::ranges::count(search.trials(), PointStatus::kFailed, &Trial::status));
@@ -103,14 +103,14 @@ void read_search(const SearchRun& search, const Store& store, SideAnswer& side) 
   if (!front.empty()) side.best = machine_of(search, *front.front(), store);
 }
 
-/// Returns the number of machines in a space, including those that it excludes.
+/// Returns the number of axis combinations of a search space, including excluded machines.
 std::uint64_t size_of_space(const Task& task) {
   std::uint64_t machines = 1;
   for (const sweep::Axis& axis : task.machine_axes()) machines *= axis.values.size();
   return machines;
 }
 
-/// Simulates all machines of a space.
+/// Simulates all machines of a search space.
 void simulate_all(const SideSearch& search, const optimise::Options& options, SideAnswer& side) {
   Task task = search.task;
   task.batch = kLargestBatch;
@@ -125,7 +125,7 @@ void simulate_all(const SideSearch& search, const optimise::Options& options, Si
   });
 }
 
-/// Throws InputError for a folder with other contents.
+/// Throws InputError if the output folder has contents that are not of `raywatt worth`.
 void check_folder(const fs::path& out) {
   std::error_code failed;
   if (!fs::exists(out, failed)) return;
@@ -147,8 +147,8 @@ void check_size(const WorthFile& file) {
   }
 }
 
-/// Writes a page for each workload, which compares the machines of both sides on it. Returns the files: of several
-/// workloads, the name of the workload is added to the name of the file.
+/// Writes an HTML page per workload that compares the best machines of both sides. Returns the paths of the pages. With
+/// several workloads, the name of the workload is appended to the file name.
 std::vector<fs::path> write_pages(const Answer& answer, const Store& store, const fs::path& page) {
   std::vector<fs::path> files;
   const std::optional<Machine>&with = answer[Side::kWith].best, &any = with ? with : answer[Side::kWithout].best;

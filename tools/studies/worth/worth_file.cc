@@ -25,7 +25,7 @@ using NodePointer = std::shared_ptr<const YamlNode>;
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
 constexpr std::string_view kSchema = "raywatt-worth/1";
-/// Keys of a search that a side may change.
+/// Keys of a search's file that `without` and `with` may change.
 constexpr std::array<std::string_view, 8> kSideKeys = {"config",      "program", "reference", "sets",
                                                        "constraints", "axes",    "exclude",   "where"};
 
@@ -36,7 +36,7 @@ NodePointer scalar_of(std::string text) {
   return node;
 }
 
-/// Returns [{min: area_mm2}].
+/// Returns the default objectives as YAML: [{min: area_mm2}].
 NodePointer smallest_area() {
   const auto goal = std::make_shared<YamlNode>(), list = std::make_shared<YamlNode>();
   goal->kind = Kind::kMapping;
@@ -55,7 +55,8 @@ void set_entry(std::vector<YamlNode::Entry>& entries, const YamlNode::Entry& ent
   }
 }
 
-/// Returns the entry of a side on top of the search's: lists are joined, axes are replaced by name.
+/// Merges an entry of a side (`without` or `with`) into that of the search. Lists are joined, axes are replaced by
+/// name.
 YamlNode::Entry merge_entries(const YamlNode::Entry& search, const YamlNode::Entry& side, const std::string& where) {
   const Kind kind = side.value->kind;
   if (kind != search.value->kind)
@@ -74,7 +75,7 @@ YamlNode::Entry merge_entries(const YamlNode::Entry& search, const YamlNode::Ent
   return entry;
 }
 
-/// Returns a value in YAML's flow style, in one line.
+/// Returns a YAML value as one line, in flow style.
 std::string flow_text(const YamlNode& node) {
   const auto quoted = [](const std::string& text) { return sim::json_line(text); };
   if (node.kind == Kind::kEmpty) return "~";
@@ -89,7 +90,7 @@ std::string flow_text(const YamlNode& node) {
   return text + (is_mapping ? '}' : ']');
 }
 
-/// Returns the search of a side. `changes`: the value of `without` or `with`.
+/// Returns the search of one side. `changes`: the value of the key `without` or `with`.
 SideSearch side_search(const YamlNode& root, const YamlValue& changes, const YamlNode& changed,
                        const std::string& name) {
   YamlNode search;

@@ -22,7 +22,7 @@ struct SideSearch {
 
 /// Contents of a worth file (docs/worth.md).
 struct WorthFile {
-  std::string feature;  ///< the feature's name, as in a sentence
+  std::string feature;  ///< name of the feature, as it is written within a sentence
   std::string question;
   std::array<SideSearch, 2> sides;  ///< by Side
 
@@ -31,8 +31,9 @@ struct WorthFile {
 
 /// Reads a worth file: a search's file with `feature`, `without` and `with`.
 ///   1. Both sides start from the search. Without `objectives` it minimises area_mm2.
-///   2. A value of `without` or `with` replaces the search's, list items are added, axes are added or replaced.
-/// Throws InputError with file, line, column, key, error, allowed values.
+///   2. Under `without` or `with`, a value replaces that of the search. Items of lists are added, axes are added or
+///      replaced.
+/// Throws InputError with file, line, column, key, error and allowed values.
 WorthFile read_worth_file(const std::filesystem::path& file);
 
 }  // namespace tools::worth

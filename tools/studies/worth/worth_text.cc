@@ -18,7 +18,7 @@ using optimise::Goal;
 using sim::Band;
 using sim::Json;
 
-constexpr double kNothing = 5e-4;  ///< share below which a difference is called none
+constexpr double kNothing = 5e-4;  ///< share below which a difference counts as none
 
 const Goal& objective_of(const Answer& answer) { return answer.file.sides.front().task.goals.front(); }
 bool minimises(const Answer& answer) { return objective_of(answer).kind == Goal::Kind::kMin; }
@@ -39,7 +39,7 @@ std::string percent_text(double share) {
   return fmt::format("{:.{}f}", percent, std::abs(percent) < 9.95 ? 1 : 0);
 }
 
-/// Returns "22 to 31 %", the smallest and the largest value of a band of shares.
+/// Returns the smallest and the largest value of a band of shares as text: "22 to 31 %".
 std::string share_range(const Band& share) {
   const auto [least, most] = std::minmax({share.low, share.nominal, share.high});
   return fmt::format("{} to {} %", percent_text(least), percent_text(most));
@@ -58,7 +58,7 @@ struct MetricWords {
   std::string words, unit;
 };
 
-/// Returns the rate and the workloads: " at 60 frames/s on chess (512x256), cornell (512x256)".
+/// Returns target rate and workloads as text: " at 60 frames/s on chess (512x256), cornell (512x256)".
 std::string context_text(const Machine& machine) {
   std::vector<std::string> names;
   for (const WorkloadResult& workload : machine.workloads)
@@ -82,7 +82,7 @@ std::string constraints_text(const Answer& answer) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// Rows of the table of both machines. A cell of a side without a machine is empty.
+/// Builds the table that compares the best machines of both sides. If a side has no machine, its cells are empty.
 class SideBySide {
  public:
   explicit SideBySide(const Answer& answer) : answer_(answer), table_({"", "without", "with", "difference", "band"}) {}
@@ -122,7 +122,7 @@ class SideBySide {
     return found == axes.end() ? "" : found->second;
   }
 
-  /// Adds a row of a value with a band.
+  /// Adds a row for a value that has a low-to-high band.
   template <class F>
   void add_band(const std::string& name, F&& value_of) {
     std::vector<std::string> cells = {name};
@@ -156,7 +156,7 @@ class SideBySide {
     add_rooms(prefix, [w](const Machine& m) -> const std::vector<LimitRoom>& { return m.workloads[w].rooms; });
   }
 
-  /// Adds a row for each constraint of a list of rooms.
+  /// Adds a row with the distance to the limit for each constraint.
   template <class F>
   void add_rooms(const std::string& prefix, F&& rooms_of) {
     std::vector<std::string> constraints;
@@ -176,7 +176,7 @@ class SideBySide {
     }
   }
 
-  /// Adds a row of texts, unless all are empty.
+  /// Adds a row of texts, unless both are empty.
   template <class F>
   void add_texts(const std::string& name, F&& text_of) {
     std::vector<std::string> cells = {name};
