@@ -28,8 +28,7 @@ const Moved* find_changed_value(const RunCheck& run, std::string_view path) {
   return found == run.moved.end() ? nullptr : &*found;
 }
 
-/// Returns the changed value to print for a run whose cycle count is unchanged. Prefers values of the whole machine to
-/// values of the located unit.
+/// Returns the changed value to print for a run with an unchanged cycle count, if possible one of the whole machine.
 const Moved& value_to_print(const RunCheck& run) {
   auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
   if (found == run.moved.end() && run.can_report_changed_unit()) {
@@ -132,8 +131,7 @@ std::string check_line(const RunCheck& run) {
                      moved_text(shown));
 }
 
-/// Describes all runs that failed or changed: changed configuration keys, changed values and the hardware unit that
-/// most likely changed.
+/// Describes the runs that failed or changed: changed configuration keys, changed values, most likely hardware unit.
 std::string check_details(const SuiteCheck& checked) {
   constexpr std::size_t kMost = 6;
   std::vector<const RunCheck*> bad;

@@ -215,8 +215,8 @@ bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
   }
 }
 
-/// Simulates only short trial runs. Throws InputError for a misspelt report path in the suite's `keep`, with the most
-/// similar correct path.
+/// Throws InputError for a misspelt report path in the suite's `keep`, with the most similar path. Simulates short
+/// runs.
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {
@@ -302,8 +302,7 @@ const std::set<std::string>& function_keys() {
   return keys;
 }
 
-/// Removes the configuration keys that change which rays are rendered from `keys`. Adds an error message for each of
-/// them to `refusals`.
+/// Removes keys that change which rays are rendered from `keys`, and adds an error message for each to `refusals`.
 void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& refusals) {
   for (const KeyPair& key : keys) {
     if (!function_keys().contains(key.key)) continue;
@@ -575,13 +574,13 @@ double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::s
          value_or_zero(values, fmt::format("units.{}.units", kind));
 }
 
-/// Counters of the cache lines that one memory level requests from the next: their number and total time, as counted by
-/// each of both levels. Times are in T&I cycles.
+/// Number and total time (T&I cycles) of the cache lines that one memory level requests from the next. Each of both
+/// levels counts them.
 struct Traffic {
   double requested = 0, served = 0;
   double request_time = 0, service_time = 0;
-  /// Returns the time that requests spent between the two memory levels. Returns nothing if the time would be negative,
-  /// or if the levels did not count the same requests because other units also send requests to the lower level.
+  /// Returns the time that requests spent between the two memory levels. Returns nothing if it would be negative, or if
+  /// the lower level also serves other units, so that the counts differ.
   std::optional<double> time_between() const {
     if (requested != served || request_time < service_time) return {};
     return request_time - service_time;

@@ -45,8 +45,7 @@ struct LocatedRegression {
 };
 
 /// Finds the hardware unit that most likely changed between the runs `was` and `is`, from their counters:
-///   1. The unit whose working time (without waiting) changed most. Units that wait for a slower unit do not work
-///      longer themselves.
+///   1. The unit whose working time changed most. Working time excludes waiting for slower units.
 ///   2. Otherwise the path between two memory levels, if both levels counted the same misses. Its time is the miss time
 ///      of the level nearer to the core, minus the service time of the other level.
 ///   3. Otherwise, of the units whose waiting time changed much, the one nearest to the DRAM.
@@ -54,8 +53,8 @@ struct LocatedRegression {
 /// Returns nothing without counters, or if none changed.
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is);
 
-/// Finds the cycle reason whose time changed most in `unit`, a unit whose configuration keys changed. The certainty is
-/// this unit's share of the change of all units' working times. Returns nothing if no time of the unit changed.
+/// Finds the cycle reason whose time changed most in `unit`, whose configuration keys changed. The certainty is this
+/// unit's share of the changes of all units' working times. Returns nothing if no time of the unit changed.
 std::optional<LocatedRegression> largest_change_in_unit(std::string_view unit, const Values& was, const Values& is);
 
 /// A report value of a run that differs from its stored value. `was` (stored) is empty if no value is stored, `is`

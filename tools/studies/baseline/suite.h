@@ -34,8 +34,8 @@ struct Suite {
 /// Reads a suite and the configurations of all its runs. Throws InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
 
-/// The inputs of a run. Values of two runs are comparable only if these are equal, except for configuration keys that
-/// only change timing.
+/// The inputs of a run. To compare values of two runs, all must be equal except configuration keys that change only
+/// timing.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
   FlatConfig config;  ///< configuration by key; without the scene's name, because the file may be moved

@@ -80,8 +80,7 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
   return replay;
 }
 
-/// Measures one scene in rounds. A round measures each metric once, so that changing load on the host affects all
-/// metrics alike.
+/// Measures a scene in rounds of all metrics, so that changing load of the host affects all metrics alike.
 class RoundRunner {
  public:
   /// `scratch`: folder for temporary files of the benchmark.

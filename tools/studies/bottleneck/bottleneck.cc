@@ -23,8 +23,7 @@ double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Returns the share of time in which T&I subunits of a kind wait for cache lines, relative to the time in which they
-/// have rays.
+/// Returns the share of the time with rays in which T&I subunits of a kind wait for cache lines.
 template <class Unit>
 double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;
@@ -52,8 +51,7 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // Assumption: a ray inside the intersection unit waits for cache lines during the same share of its time as the unit
-  // itself.
+  // Assumption: a ray in the intersection unit and the unit itself wait for lines for the same share of their time.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
   const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;

@@ -44,8 +44,7 @@ struct Bottleneck {
   }
 };
 
-/// Speed-up that an ideal resource gives, with its noise. Computed from the means of replicates, or, for single runs,
-/// from the assumed noise.
+/// The speed-up that an ideal resource gives, with its noise: measured by replicates, or assumed for single runs.
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half-width of the speed-up's 95 % interval

@@ -113,8 +113,7 @@ std::vector<MetricPair> time_pairs(const ReportFile& a, const ReportFile& b) {
 /// True if this entry of the report's `units` is a sum over all units of a kind (unit_sums()).
 bool is_unit_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
-/// True for a cycle reason that covers the time that no other reason explains: an idle reason, or that of a tile buffer
-/// that only stores data.
+/// True for a cycle reason that counts otherwise unexplained time: idle, or a tile buffer that only stores data.
 bool is_leftover_reason(std::string_view unit, std::string_view reason) {
   const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
   return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
@@ -516,8 +515,7 @@ std::vector<MetricPair> describe_time_parts(std::vector<MetricPair> times) {
   return times;
 }
 
-/// Replaces "a" by "per" in the names of ratios: "node L1 cycles a miss" becomes "node L1 cycles per miss". The names
-/// in JSON stay.
+/// Replaces "a" by "per" in the names of ratios, which JSON keeps: "node L1 cycles a miss", "node L1 cycles per miss".
 std::vector<MetricPair> with_per(std::vector<MetricPair> ratios) {
   for (MetricPair& ratio : ratios) {
     const std::size_t article = ratio.name.find(" a ");
@@ -569,8 +567,7 @@ std::string cell_text(Column column, double value) {
   return sim::si_text(std::abs(value) < 1000 ? std::round(value) : value);
 }
 
-/// Returns a table of the first metrics of `pairs` in both runs. `whole`: sum of all differences, for percentages; 0 if
-/// unknown.
+/// Returns a table of the first metrics of `pairs`. `whole`: sum of all differences, for percentages; 0 if unknown.
 std::string pairs_table(const std::string& title, const std::vector<MetricPair>& pairs, Column column,
                         const std::vector<std::string>& names, double whole = 0) {
   if (pairs.empty()) return {};
@@ -614,8 +611,8 @@ std::string config_text(const std::vector<KeyPair>& keys) {
 
 namespace {
 
-/// Returns text with the energy ratio of two runs under low, nominal and high energy tables, and the table entries that
-/// change the ratio most.
+/// Describes the energy ratio of two runs under low, nominal and high energy tables, and the entries that change it
+/// most.
 std::string energy_text(const Comparison& c, const std::vector<std::string>& names) {
   if (!c.energy) return "\nno energy bands: " + sim::printable(c.no_energy, 1000) + "\n";
   sim::Table ratios({fmt::format("energy over {}", names[0]), "low tables", "nominal", "high", "median of draws",

@@ -44,8 +44,8 @@ std::vector<WorkloadKey> workload_keys(const RunSet& set) {
   return keys;
 }
 
-/// Names each workload by the first few parts of its key (scene, resolution, ...), as few as distinguish all workloads.
-/// If two keys are equal, all names have all parts.
+/// Names each workload by the first parts of its key (scene, resolution, ...), as few as distinguish all workloads. If
+/// two keys are equal, names have all parts.
 std::vector<std::string> name_workloads(const std::vector<WorkloadKey>& keys) {
   std::vector<std::string> names(keys.size());
   for (std::size_t parts = 1; parts <= WorkloadKey().size(); ++parts) {

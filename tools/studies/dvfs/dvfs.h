@@ -30,8 +30,7 @@ struct DvfsPoint {
   double ms = 0;
   sim::Band mj;        ///< energy of the frame
   double idle_mw = 0;  ///< power while idle between frames
-  /// Energy of a frame period: of the frame and the idle time after it. Negative if the frame takes longer than the
-  /// period.
+  /// Energy of the frame and the idle time until the period ends; negative if the frame is longer than the period.
   double period_mj = -1;
   double power_w() const { return mj.nominal / ms; }
   double frames_per_second() const { return 1000 / ms; }
@@ -48,8 +47,7 @@ struct DvfsCurve {
   std::optional<std::size_t> slowest_met;  ///< slowest point that meets the target frame rate, if there is a target
 };
 
-/// Computes the energy per frame period of all operating points. Sets the indices energy_optimal, race_to_idle and
-/// least_a_period.
+/// Computes the energy per period of all points. Sets the indices energy_optimal, race_to_idle and least_a_period.
 void choose_points(DvfsCurve& curve, double period_ms);
 
 /// Returns the next clock factors to simulate, halfway between neighbouring points of the curve. They refine the

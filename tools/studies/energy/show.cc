@@ -50,8 +50,7 @@ std::string comment_of(const std::string& text, int line) {
 /// Returns the text after the last dot of a path.
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
-/// Collects for each configuration value the file or option that set it. Files and options added later override earlier
-/// ones.
+/// Collects for each configuration value the file or option that sets it. Later ones override earlier ones.
 class Layers {
  public:
   Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
@@ -270,8 +269,8 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
-/// Formats the origin of a configuration value: a line for the file or option that sets the value, then one for each
-/// factor by which a key `scale` multiplies it.
+/// Formats the origin of a configuration value: a line for the file or option that sets it, then one per factor `scale`
+/// that multiplies it.
 std::string printable_lines(const std::string& text) {
   std::string out;
   for (std::size_t begin = 0; begin <= text.size();) {

@@ -53,8 +53,7 @@ struct UpperBound {
     return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
   }
 };
-/// Returns the smallest of several upper bounds of a rate. Marks it as not reached if a bound of up to 1.5 times its
-/// value is not reached.
+/// Returns the smallest upper bound of a rate. It is marked as not reached if one of up to 1.5 times its value is not.
 UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
 
 std::string findings_table(const Findings& findings);

@@ -20,8 +20,8 @@
 
 namespace tools {
 
-/// Test client that reads a list of cache lines in order through a first-level cache. Each cycle it probes for one line
-/// if an MSHR is free.
+/// Test client that reads cache lines in order through a first-level cache, with one probe per cycle if an MSHR is
+/// free.
 ///
 ///  reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
 ///
@@ -63,8 +63,7 @@ class Reader {
   void read_next(sim::Time now) {
     Read& read = reads_[next_];
     read.probed = now;
-    // With each miss the cache stores a number, normally the cycle. Here it is the index of the read, which the fill
-    // returns.
+    // The number stored with a miss, normally its cycle, is here the index of the read. The fill returns it.
     if (l1_.access_line(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
       read.arrived = now;
       finished_ += 1;
@@ -132,8 +131,8 @@ class MemoryForms {
     return {rate * mshrs / starts, "L1 miss registers", tni_ == l2_};
   }
   /// Returns the upper bound of the line rate that is due to the wire from a client to its core port. One request per
-  /// cycle crosses into the port's clock. The client can reuse a slot of the wire at its first clock edge at least a
-  /// port cycle after the port has taken the request.
+  /// cycle crosses into the port's clock. A slot of the wire is free again a port cycle after the port has taken the
+  /// request.
   UpperBound request_wire_rate() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;

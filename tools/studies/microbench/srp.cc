@@ -20,8 +20,7 @@ namespace {
 
 constexpr std::array<std::array<std::uint32_t, 2>, 5> kSizes = {{{2, 2}, {4, 2}, {4, 4}, {8, 4}, {8, 8}}};
 
-/// Returns a shader core with an array of another size. The shares of functional units that multiply and divide stay
-/// the same.
+/// Returns a shader core with an array of another size, but the same shares of multiplying and dividing units.
 hw::SrpConfig resize_array(hw::SrpConfig srp, std::uint32_t rows, std::uint32_t columns) {
   const std::uint32_t before = srp.array.unit_count(), units = rows * columns;
   srp.array.rows = rows;

@@ -54,8 +54,7 @@ class TniForms {
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)
       : tni_(config.tni), direct_(config.direct_interface), triangle_bytes_(triangle_bytes) {}
 
-  /// Returns the stage of the intersection pipeline after which a triangle test that ends in phase `exit` has its
-  /// result.
+  /// Returns the intersection pipeline's stage after which a triangle test with exit phase `exit` has its result.
   std::uint32_t exit_stage(traces::ExitPhase exit) const {
     switch (exit) {
       case traces::ExitPhase::kDistance:
@@ -156,8 +155,7 @@ class TniHarness {
                                         {{}, {0, triangle_bytes}}, memory);
   }
 
-  /// Simulates the T&I unit under test. Returns its throughput in rays per cycle, measured without the start and end of
-  /// the run.
+  /// Simulates the T&I unit under test and returns its rays per cycle, without the start and end of the run.
   double rays_per_cycle() {
     sim::run(*this);
     return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /
@@ -363,8 +361,8 @@ Exits exits_from_traversals(const Inputs& inputs, const kernels::ProgramSpec& sp
   return exits;
 }
 
-/// Measures early exits of triangle tests in a scene. Adds to `found` the number of early exits and the cycles and
-/// energy that they save.
+/// Measures early exits of triangle tests in a scene. Adds their number and the cycles and energy that they save to
+/// `found`.
 void add_scene_measurements(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);

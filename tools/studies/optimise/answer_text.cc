@@ -76,8 +76,7 @@ std::string doubtful_text(const SearchRun& search, const std::vector<const Trial
   return text;
 }
 
-/// Lists warnings about extrapolated metrics of the points in `answer`, then all other points with extrapolated
-/// metrics.
+/// Lists the extrapolation warnings of the points in `answer`, then all other points with extrapolated metrics.
 std::string extrapolations_text(const SearchRun& search, const std::vector<const Trial*>& answer) {
   std::map<std::string, std::vector<std::size_t>> lines;
   for (const Trial* trial : answer) {

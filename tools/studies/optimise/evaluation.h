@@ -90,8 +90,7 @@ class Evaluator {
   /// Sets `seen` and `is_feasible` of a machine from its runs.
   void set_goal_values(Trial& trial) const;
 
-  /// Returns the probabilities that a machine meets its limits, given the noise and the uncertainty of the energy and
-  /// area tables.
+  /// Returns the probabilities that a machine meets its limits, given noise and random draws of energy and area tables.
   Odds odds_of(const Trial& trial, const sweep::Store& store) const;
 
  private:

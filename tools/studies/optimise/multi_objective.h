@@ -31,8 +31,7 @@ class PagmoModule {
   virtual std::vector<sweep::Choice> run_nsga2(const GeneticTask& task) const = 0;
   /// Returns the indices of the points that no other dominates, in any order. All objectives are minimised.
   virtual std::vector<std::size_t> non_dominated(std::span<const std::vector<double>> points) const = 0;
-  /// Returns the hypervolume (area) between the points and a reference that all of them dominate. Both objectives are
-  /// minimised.
+  /// Returns the area between the points and a reference that all of them dominate. Two objectives, minimised.
   virtual double hypervolume(std::vector<std::vector<double>> points, const std::vector<double>& reference) const = 0;
 };
 using PagmoFactory = const PagmoModule* (*)();
@@ -41,12 +40,12 @@ constexpr const char* kPagmoSymbol = "raywatt_pagmo";
 /// Returns the module; loads it at the first call. Throws IoError if it cannot be loaded.
 const PagmoModule& pagmo_module();
 
-/// Returns the indices of the scores on the Pareto front, from the best in the first objective on. Of equal scores only
-/// the first is on the front.
+/// Returns the indices of the Pareto front, from the best first objective on. Of equal scores only the first is
+/// included.
 std::vector<std::size_t> pareto_front_of(std::span<const Score> scores);
 
-/// Returns the area between `corner` and the Pareto front of scores with two objectives. A score must be better than
-/// the corner in both to count.
+/// Returns the area between `corner` and the Pareto front of two objectives. Scores not better than `corner` in both
+/// are ignored.
 double hypervolume(std::span<const Score> scores, const Score& corner);
 
 /// A Pareto front of two objectives, to compute how much a further score would add to its hypervolume.

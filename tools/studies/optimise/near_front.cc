@@ -31,8 +31,7 @@ class Comparator {
     if (!most_[objective]) d.value = -d.value;
     return d.one_sided_p_value();
   }
-  /// True if trial `a` is significantly better than `b` (p <= `level`) in each noisy objective, and equal or better in
-  /// each exact objective.
+  /// True if `a` is significantly better than `b` (p <= `level`) in each objective, or equal in an exact one.
   bool dominates_beyond_noise(const Trial& a, const Trial& b, double level) const {
     bool differs = false;
     for (std::size_t o = 0; o < objective_count(); ++o) {
@@ -63,9 +62,9 @@ std::vector<const Trial*> ties_with(const Trial& first, const std::vector<const 
 
 }  // namespace
 
-/// Returns feasible points that are within noise of the Pareto front but not on it, from the best in the first
-/// objective on. With one objective, they are not significantly worse than the best point (one-sided tests, Holm
-/// correction, 5 % family-wise error). With two, no other point dominates them significantly (Bonferroni correction).
+/// Returns feasible points within noise of the Pareto front, but not on it; the best in the first objective first. One
+/// objective: points not significantly worse than the best (one-sided tests, Holm, 5 % family-wise error). Two: points
+/// that no other dominates significantly (Bonferroni).
 std::vector<const Trial*> near_front(const SearchRun& search) {
   const Comparator comparator(search);
   const std::vector<const Trial*> all = search.feasible_trials(), front = search.pareto_front();

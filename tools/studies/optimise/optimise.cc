@@ -63,8 +63,7 @@ void remove_streams(const std::vector<Point>& points, const sweep::Store& store)
   }
 }
 
-/// Makes the answer of a finished search: adds the trades of the best machine and the probabilities that it meets its
-/// limits.
+/// Makes the answer of a finished search, with trades of the best machine and probabilities that it meets its limits.
 Answer make_answer(SearchRun& search, const sweep::Store& store) {
   Answer answer{search};
   const Trial* const best = answer.best();

@@ -71,8 +71,7 @@ double GoalFigures::combine(std::span<const double> values) const {
 ///    the best feasible point, in closed form. For two, it is the hypervolume gain, by quadrature.
 /// 4. A point chosen for a batch counts as simulated with its estimate when the next one is chosen. It counts as
 ///    feasible if that is likely.
-/// 5. A goal that combines several workloads is estimated by independent random draws of the estimates on each
-///    workload.
+/// 5. A goal that combines several workloads is estimated by random draws, independent for each workload.
 class Search::Models {
  public:
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
@@ -139,8 +138,7 @@ class Search::Models {
     return *e.log_value;
   }
 
-  /// Returns the estimate of a figure (a metric on one workload) in the metric's unit, not on the model's scale;
-  /// nothing if it has no results.
+  /// Returns the estimate of a figure (a metric on one workload) in the metric's unit; nothing if it has no results.
   std::optional<Estimate> plain_estimate(std::size_t figure, const Choice& point) const {
     if (!search_.has_values(figure)) return std::nullopt;
     const Estimate e = estimate_figure(figure, point);
@@ -164,7 +162,7 @@ class Search::Models {
  private:
   const GoalFigures& figures_of(std::size_t goal) const { return search_.options_.figures[goal]; }
 
-  /// Returns the estimate of a figure (a metric on one workload) on the scale of its model, which may be logarithmic.
+  /// Returns the estimate of a figure (a metric on one workload) on its model's scale, which may be logarithmic.
   Estimate estimate_figure(std::size_t figure, const Choice& point) const {
     if (search_.is_exact(figure)) return {search_.exact_figure(figure, point), 0};
     return search_.surrogates_[figure].estimate_at(point);
@@ -175,8 +173,7 @@ class Search::Models {
   double to_figure_scale(std::size_t figure, double value) const {
     return search_.is_exact(figure) ? value : search_.surrogates_[figure].to_model_scale(value);
   }
-  // The scale of a goal is that of its metric's model. For a goal that combines several workloads it is the metric's
-  // unit.
+  // A goal of one figure has the scale of the figure's model; a goal that combines workloads has the metric's unit.
   double from_goal_scale(std::size_t goal, double value) const {
     const std::vector<std::size_t>& figures = figures_of(goal).figures;
     return figures.size() == 1 ? from_figure_scale(figures.front(), value) : value;
@@ -215,8 +212,7 @@ class Search::Models {
   /// Returns the log probability that a constraint is met at a point. Metrics without any result are ignored.
   double log_probability_of(std::size_t g, const Choice& point) const {
     const Goal& goal = search_.goals_[g];
-    // A limit on the worst value must be met on each workload, so that probabilities multiply. Other goals need the
-    // combined value.
+    // A limit on the worst value must be met on each workload: probabilities multiply. Others limit the combined value.
     const bool is_on_each =
         figures_of(g).rule == GoalFigures::Rule::kWorst &&
         (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper_limit());
@@ -251,8 +247,7 @@ class Search::Models {
   /// Returns the value, negated if the objective is minimised.
   double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
-  /// Returns an objective's value at a simulated point, on the objective's scale. A noisy value is replaced by its
-  /// estimate.
+  /// Returns an objective's value at a simulated point, on the goal's scale. A noisy value is replaced by its estimate.
   double smoothed_goal(const Choice& point, std::size_t objective) const {
     const auto is_noisy = [&](std::size_t f) { return search_.errors_[f].contains(point); };
     if (std::ranges::any_of(figures_of(objective).figures, is_noisy)) return estimate_goal(objective, point).mean;
@@ -324,8 +319,8 @@ void shuffle_points(std::vector<Choice>& points, std::uint64_t seed) {
 }
 
 /// Returns a penalty of 0 to 1 for a point that may break limits. `log_feasible`: logarithm of the probability that it
-/// meets all limits. The penalty is 0 if this probability is at least that of a normal value above mean plus `optimism`
-/// standard deviations.
+/// meets all limits. The penalty is 0 from the probability on that a normal variable is `optimism` deviations above its
+/// mean.
 double infeasibility_penalty(double log_feasible, double optimism) {
   const double short_of = std::max(log_normal_cdf(-optimism) - log_feasible, 0.0);
   return std::isfinite(short_of) ? short_of / (1 + short_of) : 1;
@@ -531,8 +526,8 @@ std::vector<Choice> Search::evolve_points(Models& models, double optimism, std::
   return points;
 }
 
-/// Returns the candidates among which the next points are chosen. In a small space they are all points; in a large one
-/// those of NSGA-II, neighbours of the front and random ones.
+/// Returns the candidates among which the next points are chosen. In a small space these are all points; else points of
+/// NSGA-II, neighbours of the front and random points.
 std::vector<Choice> Search::find_candidates(Models& models, std::size_t count) {
   std::set<Choice> points;
   const auto add = [&](const std::vector<Choice>& more) {

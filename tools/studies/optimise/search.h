@@ -35,11 +35,9 @@ using FigureValues = std::vector<std::optional<double>>;
 /// Bayesian optimisation of one or two objectives under constraints. The caller simulates the proposed points.
 ///
 /// 1. The first points are spread over the space.
-/// 2. Then a Surrogate of each figure (a metric on one workload) estimates it at all points. NSGA-II searches the
-///    estimates for candidates.
-/// 3. The candidates with the largest expected hypervolume gain are proposed.
-/// 4. Noisy figures are smoothed. Simulated points count with their smoothed values, so that lucky noise is not
-///    optimised.
+/// 2. Then a Surrogate of each figure (a metric on one workload) estimates it, and NSGA-II searches the estimates.
+/// 3. The points with the largest expected hypervolume gain are proposed.
+/// 4. Lucky noise is not rewarded: noisy figures are smoothed, and simulated points count with smoothed values.
 /// 5. A constraint on several workloads must be met on each of them.
 ///
 /// The same seed and the same results lead to the same points.
@@ -50,8 +48,7 @@ class Search {
     std::uint32_t population = 40;  ///< population of NSGA-II; a multiple of 4, at least 8
     /// By goal: the figures that it combines. Empty: each goal has one figure of its own.
     std::vector<GoalFigures> figures{};
-    /// By figure: a function that computes it exactly without a simulation, or null. May be shorter than the list of
-    /// figures.
+    /// By figure: computes it exactly without a simulation; null for most. May be shorter than the list of figures.
     std::vector<std::function<double(const Choice&)>> exact{};
   };
   /// `goals`: one or two objectives, then constraints.
@@ -60,9 +57,8 @@ class Search {
   /// Returns `count` points to simulate next. Returns fewer if no other points exist or could be better.
   std::vector<Choice> propose_points(std::size_t count);
 
-  /// Adds the result of a point: its metrics on all workloads, or nothing if it cannot be simulated, which removes an
-  /// earlier result. `errors`: standard errors of noisy metrics; `are_bounds`: they are assumed upper bounds, not
-  /// measured.
+  /// Adds the result of a point: all figures, or nothing if it cannot be simulated, which removes an earlier result.
+  /// `errors`: standard errors of the figures; `are_bounds`: they are assumed upper bounds, not measured.
   void add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
   /// Adds the result of a point on some workloads only. A point without results on all workloads is not feasible.
@@ -78,16 +74,14 @@ class Search {
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }
   /// Returns the score of a point with these values of the goals.
   Score score_of(std::span<const double> values) const;
-  /// Returns the points that differ from a point in one axis: by one step of an ordered axis, or by any value of
-  /// another.
+  /// Returns the points that differ in one axis: by one step of an ordered axis, or by any value of another.
   std::vector<Choice> neighbours_of(const Choice& point) const;
   bool is_wanted(const Choice& point) const { return space_.is_wanted(point); }
   bool is_known(const Choice& point) const { return results_known_.contains(point); }
   /// Fits the surrogates to all results. Returns, for each point, the estimates of all metrics on all workloads;
   /// nothing where there are no results.
   std::vector<std::vector<std::optional<Estimate>>> estimate_figures(std::span<const Choice> points);
-  /// Computes the estimate of a goal from the estimates of its metric on each workload; nothing if one of them is
-  /// missing.
+  /// Combines the estimates of a goal's metric on each workload into that of the goal; nothing if one is missing.
   std::optional<Estimate> combine_estimates(std::size_t goal, std::span<const std::optional<Estimate>> figures) const;
 
  private:

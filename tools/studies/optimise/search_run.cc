@@ -27,8 +27,7 @@ constexpr std::uint64_t kNeighbourShare = 4;   // at most a quarter of the budge
 constexpr int kMostDoubtful = 4;               // doubtful machines simulated whole
 constexpr std::size_t kLooksPerPoint = 4;      // first looks (approximate simulations) per simulated machine
 constexpr std::uint64_t kMostImpossible = 10;  // impossible machines that are tolerated per machine of the budget
-/// If samples contain at least this share of the tiles, whole frames take no longer, because their rays are recorded
-/// once for all machines.
+/// With this share of the tiles in samples, whole frames take no longer: their rays are recorded once for all machines.
 constexpr double kWorthSampling = 0.6;
 constexpr double kLargePicture = 1'000'000;  // pixels that are enough for tile sampling (docs/sampling.md)
 
@@ -142,7 +141,7 @@ Space SearchRun::make_space() const {
   return space;
 }
 
-/// Defines the figures that the search models: one for each goal's metric on each workload.
+/// Lists the values that the search models: each goal's metric on each workload.
 Search::Options SearchRun::make_search_options() {
   Search::Options options{.seed = task_.seed, .population = task_.population};
   using Key = std::tuple<std::string, std::size_t, int>;  // metric, workload, and -1 or 1 for a lower or upper quantile
@@ -319,8 +318,7 @@ bool SearchRun::simulate_trials(std::vector<Trial>& fresh, const Machines& with)
   return true;
 }
 
-/// Returns the figures of a machine for the search: each goal's metric on each workload, from the machine's runs. Sets
-/// `errors` to their standard errors.
+/// Returns a machine's value of each metric that the search models, on each workload. Sets `errors` to standard errors.
 FigureValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
                                       bool& are_assumed) const {
   FigureValues values(figure_count_);

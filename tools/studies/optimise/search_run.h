@@ -30,8 +30,7 @@ struct Neighbour {
 ///
 /// 1. A machine is simulated on one workload after the other, first on those that ruled out most machines. After a
 ///    workload that breaks a limit by more than the noise, the others are skipped.
-/// 2. With one objective, up to a quarter of the budget is spent on neighbours of the best machine: those that differ
-///    in one axis.
+/// 2. With one objective, up to a quarter of the budget goes to machines that differ from the best one in one axis.
 /// 3. If frames were sampled, the best machine is simulated whole, and so are up to four better ones that break limits
 ///    by less than the noise. If the best machine then breaks a limit, the search continues with the rest of its
 ///    budget, until a best machine is confirmed.
@@ -50,8 +49,7 @@ class SearchRun {
   /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
   /// reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
-  /// Simulates whole frames of sampled machines until all machines on the Pareto front have whole frames. Returns false
-  /// if interrupted.
+  /// Simulates whole frames until all machines on the Pareto front have them. Returns false if interrupted.
   bool check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
@@ -110,7 +108,7 @@ class SearchRun {
   bool refine_best(const Machines& with);
   bool simulate_space(const Machines& with);
   bool simulate_whole(const Trial& sampled, const Machines& with);
-  /// Returns the best doubtful machine that would be on the front; null if there is none.
+  /// Returns the best machine that breaks limits within noise only and would be on the front; null if there is none.
   const Trial* find_doubtful() const;
   bool confirm_front(const Machines& with);
   bool has_one_objective() const;

@@ -36,8 +36,7 @@ struct Observation {
 
 /// Estimates a function of the axes from some of its values by Kriging, with a constant mean and a Matern 5/2
 /// covariance with a length per axis (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, ch. 2, 4,
-/// 5). The lengths and the roughness (nugget) maximise the likelihood. They are found by hill climbing from the
-/// previous fit.
+/// 5). Lengths and roughness maximise the likelihood, by hill climbing from the previous fit.
 class GaussianProcess {
  public:
   explicit GaussianProcess(std::span<const AxisShape> axes);
@@ -70,8 +69,7 @@ class GaussianProcess {
 };
 
 /// Estimates a metric at points that have not been simulated. Positive metrics are modelled by their logarithm if that
-/// has a higher likelihood. Values of first looks (approximate simulations) are corrected by their mean error and used
-/// as noisy observations.
+/// has a higher likelihood. Approximate first looks are corrected by their mean error and used as noisy observations.
 class Surrogate {
  public:
   explicit Surrogate(std::span<const AxisShape> axes);
@@ -81,7 +79,7 @@ class Surrogate {
   using Values = std::map<Choice, double>;
   void fit(const Values& simulated, const Values& looks, const Values& errors = {},
            bool errors_are_upper_bounds = false);
-  /// Forbids to model the logarithm, for a metric with a limit of 0 or less.
+  /// Excludes the logarithmic model, for a metric with a limit of 0 or less.
   void forbid_log() { may_be_log_ = false; }
   /// Returns the estimate at a point, as a logarithm if the logarithm of the metric is modelled.
   Estimate estimate_at(const Choice& point) const { return active_process().estimate_at(point); }

@@ -37,8 +37,7 @@ double probability_met(const Goal& goal, const MeasuredFigure& seen);
 class TableDraws {
  public:
   explicit TableDraws(const ReportFile& report) : report_(report) {}
-  /// Returns the uncertainty of a metric of the report. `path`: full report path. Throws InputError if the report's
-  /// energy cannot be computed.
+  /// Returns the uncertainty of a metric. `path`: full report path. Throws InputError if energy cannot be computed.
   FigureSpread spread_of(const std::string& path, const MeasuredFigure& seen);
 
  private:

@@ -50,8 +50,7 @@ Goal parse_constraint_goal(const std::string& text) {
     if (is_number && unit.empty()) return goal;
     if (is_number) {
       const std::string suffix = without_blanks(std::string(unit));
-      // Units are not accepted. Leaving the unit out is right only if the metric's name has it: power_w is in W, not
-      // mW.
+      // Without the unit the number is right only if the metric's name has this unit: power_w is in W, not mW.
       std::string name_end = "_" + suffix;
       std::ranges::transform(name_end, name_end.begin(),
                              [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -234,8 +233,7 @@ Task parse_task(const sim::YamlNode& tree, const std::string& name) {
       throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
     }
   }
-  // By default frames start with warm caches, as within a sequence of frames. Settings of the file follow and override
-  // this.
+  // By default frames start warm, as within a sequence. Settings of the file come later and override this.
   task.space.sets.insert(task.space.sets.begin(), "frame.start=warm");
   return task;
 }

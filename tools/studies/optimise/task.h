@@ -76,8 +76,7 @@ struct Task {
   std::span<const sweep::Axis> machine_axes() const { return std::span(space.axes).subspan(workloads.empty() ? 0 : 1); }
 };
 inline constexpr std::string_view kConfidenceRange = "allowed: a probability of at least 0.5 and below 1";
-/// True for a probability that a search can require for its limits. With 0.5 the result is nearly that of nominal
-/// values.
+/// True for a probability that a search can require for its limits. 0.5 nearly means nominal values.
 constexpr bool is_confidence(double share) { return share >= 0.5 && share < 1; }
 inline constexpr const char* kSearchFile = "search.json";  ///< file with the data for the HTML page of a search
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;

@@ -36,8 +36,7 @@ Trade trade_of(const SearchRun& search, const Trial& best, Neighbour neighbour) 
   std::size_t broken = 0;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
-    // If the task requires a confidence, a quantile is compared with the limit, and the surrogates estimate this
-    // quantile.
+    // If a confidence is required, a quantile is compared with the limit, and the surrogates estimate it.
     std::optional<double> value, compared;
     if (trade.is_simulated && trial->seen[g]) {
       value = trial->value(g);

@@ -25,12 +25,11 @@ std::vector<Trade> trades_of(SearchRun& search, const Trial& best);
 
 /// Returns the constraint to whose limit the best machine is nearest; nothing without constraints.
 std::optional<std::size_t> binding_limit(const SearchRun& search, const Trial& best);
-/// Returns the workload on which a machine is nearest to the limit of a constraint; empty if there is only one
-/// workload.
+/// Returns the workload on which a machine is nearest to a constraint's limit; empty if there is only one workload.
 std::string binding_workload(const SearchRun& search, const Trial& trial, std::size_t goal);
 
-/// Returns sentences on the best machine: which limit is nearest, which neighbours a wider limit would allow, which
-/// neighbour has the cheapest additional distance to the limit, and which axes can change without loss.
+/// Returns sentences: which limit is nearest, which change a wider limit would allow, which change buys distance to the
+/// limit most cheaply, and which changes cost nothing.
 std::vector<std::string> trade_sentences(const SearchRun& search, const Trial& best, const std::vector<Trade>& trades);
 
 }  // namespace tools::optimise

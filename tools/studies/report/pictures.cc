@@ -181,8 +181,7 @@ const Json& first_frame_of(const ReportFile& report) {
   return frames != report.json.end() && frames->is_array() && !frames->empty() ? frames->front() : kNone;
 }
 
-/// Returns for each tile the times of its first dispatch and last finish, in us, and its core. Tiles without a row in
-/// tiles.json have null.
+/// Returns for each tile the times of its first dispatch and last finish in us, and its core; null without a table row.
 Json tile_times_json(const TileGrid& grid, const TileFrame& tiles, double us_per_cycle) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const std::vector<double>&begin = tile_column(tiles, "dispatched"), &end = tile_column(tiles, "finished"),
@@ -218,8 +217,7 @@ void add_tiles(const ReportFile& report, Overlays& out) {
   if (cycles > 0) out.times = tile_times_json(grid, tiles, 1e3 * report.number("totals.time_ms") / cycles);
 }
 
-/// Adds two tile overlays for a frame with adaptive sampling: the share of similar samples, and the side of the
-/// sampling blocks.
+/// Adds tile overlays for adaptive sampling: the share of similar samples, and the side of the sampling blocks.
 void add_samples(const ReportFile& report, Overlays& out) {
   const sim::JsonPointer pointer("/sampling/tiles");
   const Json& frame = first_frame_of(report);

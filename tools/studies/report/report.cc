@@ -304,8 +304,7 @@ Picture read_picture(const ReportFile& report) {
           data_url("image/png", bytes)};
 }
 
-/// Returns for each square of kCell x kCell pixels the mean absolute difference of two pictures, in steps of 8-bit
-/// colour.
+/// Returns the mean absolute difference of two pictures in each square of kCell pixels, in steps of 8-bit colour.
 std::vector<double> cell_differences(const traces::Texture& a, const traces::Texture& b) {
   const std::uint32_t columns = (a.width + kCell - 1) / kCell, rows = (a.height + kCell - 1) / kCell;
   std::vector<double> sums(std::size_t{columns} * rows), counts(sums.size());

@@ -186,8 +186,7 @@ class SearchFile {
     }
     return out;
   }
-  /// Returns for each constraint the number of machines that meet it, and the best machine's value, 95 % interval and
-  /// distance to the limit.
+  /// Returns per constraint how many machines meet it, and the best machine's value, 95 % interval and distance to it.
   Json limits_json() const {
     Json out = Json::array();
     for (std::size_t g = 0; g < goals_.size(); ++g) {
@@ -210,8 +209,7 @@ class SearchFile {
     }
     return out;
   }
-  /// Returns a scatter plot of the objective over the metric of a constraint, preferably power; null without
-  /// constraints.
+  /// Returns a scatter plot of the objective over the metric of a constraint, power if any; null without constraints.
   Json scatter_json() const {
     std::optional<std::size_t> x;
     for (std::size_t g = 0; g < goals_.size(); ++g) {

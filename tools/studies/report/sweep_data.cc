@@ -68,8 +68,7 @@ const std::vector<Metric> kUsualMetrics = {{"totals.perf.fps", "frame rate", "nu
                                            {"totals.relative.speedup", "speed against reference", "number", "×"},
                                            {"totals.traced_ratio", "samples traced", "percent"}};
 
-/// A metric that the page of a sweep over several workloads shows for machines. `per_workload`: also shown for each
-/// workload.
+/// A metric that a page shows for machines. `per_workload`: also shown for each workload.
 struct SetFigure {
   Metric metric;
   bool per_workload = false;
@@ -168,8 +167,7 @@ class Sweep {
   const std::vector<results::Row>& index_rows() const { return results_.rows(); }
   const std::vector<std::string>& headlines() const { return rows_.by_machine ? kSetHeadlines : kHeadlines; }
 
-  /// Returns the metrics that a page shows for machines: those of the machine alone, aggregates over workloads, and
-  /// metrics on each workload.
+  /// Returns the metrics that a page shows for machines: of the machine alone, aggregates, and on each workload.
   std::vector<Metric> set_metrics() const {
     std::vector<Metric> metrics;
     const auto add = [&](const Metric& of, const std::string& path, const std::string& words) {

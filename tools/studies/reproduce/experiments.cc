@@ -129,8 +129,8 @@ View view_of_kim(const std::string& scene, bool quick) {
   return view;
 }
 
-/// Returns an undersampling experiment with a grid of `samples_per_side` x `samples_per_side` samples per pixel. The
-/// reference traces all samples.
+/// Returns an undersampling experiment with `samples_per_side` squared samples per pixel. The reference traces all of
+/// them.
 Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t samples_per_side,
                       bool quick) {
   return case_of(view, fmt::format("{}x{}", samples_per_side, samples_per_side), width, height,
@@ -319,8 +319,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds the experiments of Jin's figure 7: quality over number of samples. Samples are added by the colour test alone,
-/// or by all tests.
+/// Adds the experiments of Jin's figure 7: quality over number of samples, for the colour test alone and for all tests.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
   const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
@@ -415,8 +414,7 @@ void add_times(std::vector<Case>& cases, bool quick) {
   }
 }
 
-/// Adds experiments that write pictures: one for each reconstruction filter, and one with four shaded samples per pixel
-/// for comparison.
+/// Adds experiments that write pictures: of each reconstruction filter, and of four shaded samples per pixel.
 void add_picture_cases(std::vector<Case>& cases, const std::string& figure, const View& view,
                        const std::vector<Crop>& crops, bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
@@ -434,8 +432,7 @@ void add_picture_cases(std::vector<Case>& cases, const std::string& figure, cons
   }
 }
 
-/// Adds experiments that measure the error in each class of pixels (Mask), for each reconstruction filter and its
-/// variants.
+/// Adds experiments that measure errors by class of pixels (Mask), for each reconstruction filter and its variants.
 void add_quality_cases(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
                        std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
   for (const Setting& s : {Setting{"none", unfiltered_program()},

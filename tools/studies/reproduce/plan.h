@@ -55,8 +55,7 @@ struct Case {
   std::vector<Crop> crops{};  ///< details to write as figure-PICTURE-NAME.png, also of the reference and difference
 };
 
-/// A paper whose experiments can be reproduced. `cases`: returns them; with `quick` only some, at lower resolution and
-/// with fewer triangles.
+/// A paper and its experiments (`cases`). `quick` selects some of them, with lower resolution and fewer triangles.
 struct Paper {
   std::string_view name;
   std::string_view title;
@@ -77,8 +76,7 @@ const std::vector<Paper>& all_papers();
 /// same settings for built-in scenes.
 Sets reproduction_settings();
 
-/// Returns settings with ideal shader cores and tile buffers, with which T&I units never wait for rays. They measure
-/// T&I units alone.
+/// Returns settings to measure T&I units alone: ideal shader cores and tile buffers, so that they never wait for rays.
 Sets tni_alone_settings();
 
 /// Returns the width or height of an experiment's picture: `pixels`, or a sixteenth of it if `quick`.

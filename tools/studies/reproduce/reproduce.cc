@@ -292,8 +292,7 @@ using sim::Json;
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< typical: 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
-/// True if a partial earlier run has the same inputs as this run, so that its rows are valid. `head`: header of this
-/// run.
+/// True if a partial earlier run has the same inputs as this run, with the header `head`, so that its rows are valid.
 bool is_same_run(const Json& former, const Json& head) {
   for (const auto& [key, value] : head.items()) {
     if (key == "partial" || key == "provenance") continue;

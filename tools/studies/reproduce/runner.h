@@ -15,8 +15,7 @@
 
 namespace tools::reproduce {
 
-/// The classes of pixels, by how the sixteen samples of a pixel on a regular grid differ. A pixel has the first class
-/// that applies.
+/// Classes of pixels, by how a pixel's sixteen samples on a regular grid differ. The first class that applies counts.
 enum class Mask : std::uint8_t {
   kObjectEdge,  ///< visible objects differ, or a normal differs from that of the first sample (dot product below 0.9)
   kShadowEdge,  ///< a light reaches only some samples
@@ -95,8 +94,7 @@ struct Measured {
   std::string why_not{};
 };
 
-/// Measures the metrics of a paper's experiments. Consecutive experiments share the loaded scene, the BVH and the runs
-/// where these are equal.
+/// Measures the metrics of a paper's experiments. Consecutive experiments share equal scenes, BVHs and runs.
 class Runner {
  public:
   explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}

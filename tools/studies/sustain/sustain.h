@@ -18,8 +18,7 @@ struct SustainOptions {
   double fps = 0;      ///< rate at which frames begin, in 1/s; 0: each begins when the previous one ends
 };
 
-/// Result of a sustained run under a thermal governor: the governor's steps (clock settings), their clocks, and their
-/// steady temperatures.
+/// Result of a sustained run under a thermal governor: the governor's clock steps and their steady temperatures.
 struct SustainStudy {
   std::vector<SustainStep> steps;
   std::vector<std::vector<double>> mhz, volt;  ///< for each step: clock and voltage of each clock domain

@@ -68,8 +68,7 @@ Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   return {sim::read_file(file, 1 << 20), sweep::plan_points(spec, file.parent_path(), tell), spec.slurm};
 }
 
-/// Reads the points of a sweep's folder and updates their ids. Plans them again if an earlier run was killed before it
-/// had stored any point.
+/// Reads the points of a sweep's folder and updates their ids. If a killed run has stored none, plans them again.
 Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
   const fs::path file = folder.path() / "sweep.yaml";
   Planned planned{sim::read_file(file, 1 << 20), folder.read_points(), folder.slurm_arguments()};
@@ -79,8 +78,7 @@ Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder)
   return planned;
 }
 
-/// Returns for a dry run what will happen to a point: "in the store", "impossible" or "to compute, 3 of 8 slices in the
-/// store".
+/// Returns the status of a point in a plan: "in the store", "impossible" or "to compute, 3 of 8 slices in the store".
 std::string plan_status_text(const Point& point, const Store& store) {
   const auto is_there = [&](const Point& one) { return store.is_done(one.id); };
   if (is_there(point)) return "in the store";
@@ -109,7 +107,7 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   }
 }
 
-/// Shows the progress of a batch. The unit is a point, or for points that are cut, a slice.
+/// Shows the progress of a batch. Counts points, or for points that are cut, their slices.
 class BatchProgress {
  public:
   BatchProgress(const SweepOptions& options, const std::vector<Point>& points)

@@ -74,8 +74,8 @@ struct Answer {
   const SideAnswer& operator[](Side side) const { return sides.at(static_cast<std::size_t>(side)); }
 };
 
-/// Returns the share of the objective that the feature saves (if it is minimised) or gains (if maximised), under low,
-/// nominal and high tables.
+/// Returns the share of the objective that the feature saves (or gains, if maximised), under low, nominal and high
+/// tables.
 sim::Band saved_share(const Machine& without, const Machine& with, bool is_minimised);
 
 /// Returns the difference between the search's best objective and that of all machines, relative to the latter. Returns

@@ -55,8 +55,7 @@ void set_entry(std::vector<YamlNode::Entry>& entries, const YamlNode::Entry& ent
   }
 }
 
-/// Merges an entry of a side (`without` or `with`) into that of the search. Lists are joined, axes are replaced by
-/// name.
+/// Merges an entry of `without` or `with` into the search's entry: joins lists, replaces axes by name.
 YamlNode::Entry merge_entries(const YamlNode::Entry& search, const YamlNode::Entry& side, const std::string& where) {
   const Kind kind = side.value->kind;
   if (kind != search.value->kind)

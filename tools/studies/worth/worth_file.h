@@ -31,8 +31,7 @@ struct WorthFile {
 
 /// Reads a worth file: a search's file with `feature`, `without` and `with`.
 ///   1. Both sides start from the search. Without `objectives` it minimises area_mm2.
-///   2. Under `without` or `with`, a value replaces that of the search. Items of lists are added, axes are added or
-///      replaced.
+///   2. A value in `without` or `with` replaces the search's. Items of lists are added, axes are added or replaced.
 /// Throws InputError with file, line, column, key, error and allowed values.
 WorthFile read_worth_file(const std::filesystem::path& file);
 

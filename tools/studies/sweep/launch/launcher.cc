@@ -49,8 +49,7 @@ void Launcher::remove_failure(const Point& point) const {
   if (const std::optional<sim::FileLock> lock = store_.lock_point(point.id)) store_.remove_failure(point.id);
 }
 
-/// A batch in which some points are cut into slices. First all slices and uncut points are simulated, then the slices
-/// of each point are joined.
+/// A batch with points that are cut: first their slices and all other points are simulated, then slices are joined.
 class Launcher::CutBatch {
  public:
   CutBatch(Launcher& launcher, std::span<const Point> points) : launcher_(launcher), points_(points) {
@@ -257,7 +256,7 @@ class LocalLauncher final : public Launcher {
       int attempt = 1;
       bool locked = false;  ///< another process was computing it at the last attempt
     };
-    /// Points of a batch that replay the same recorded work (stream).
+    /// Points of a batch that replay the same recorded rays (stream).
     struct Group {
       enum class State : std::uint8_t { kUnrecorded, kRecording, kReady, kImpossible } state = State::kUnrecorded;
       std::size_t left = 0;                 ///< points that have not ended
@@ -281,8 +280,7 @@ class LocalLauncher final : public Launcher {
       return !waiting.locked && (group == nullptr || group->state != Group::State::kRecording);
     }
 
-    /// Returns true if the point must record the rays of its frames (its stream) for other points. Marks the stream as
-    /// being recorded.
+    /// If the point must record its rays (its stream) for others, marks the stream as being recorded and returns true.
     bool begin_recording(std::size_t p) {
       Group* group = group_of(p);
       if (group == nullptr || group->state != Group::State::kUnrecorded) return false;

@@ -53,8 +53,7 @@ class Launcher {
  protected:
   Launcher(Store store, bool retry_failed) : store_(std::move(store)), retry_failed_(retry_failed) {}
 
-  /// Simulates slices, and points that are not cut into slices. A cut point is passed after all its slices have ended,
-  /// to join them.
+  /// Simulates slices and uncut points. A cut point is passed after all its slices have ended, to join them.
   virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
   /// True if a point with this status must still be computed: it is not done, and if it failed, it is retried.

@@ -62,8 +62,7 @@ void print_missing(const SweepFolder& folder, std::uint64_t missing);
 std::optional<sim::Json> slurm_status(const SweepFolder& folder);
 void print_slurm_status(const sim::Json& status);
 
-/// Cancels the jobs of a sweep and waits until they have ended, at most a minute. Returns false if none was in the
-/// queue.
+/// Cancels the jobs of a sweep and waits at most a minute for their end. Returns false if none was in the queue.
 bool cancel_on_slurm(const SweepFolder& folder);
 
 }  // namespace tools::sweep

@@ -95,8 +95,8 @@ std::string axis_table(const Results& results, const RankedRows& ranked, const F
   return out;
 }
 
-/// Describes the points that tie with the best one: the axes in which they differ, and the values of each axis among
-/// them. Also states the share of the variance over all candidates that each axis explains.
+/// Describes the points that tie with the best one: the axes in which they differ, and for each axis its values and the
+/// share of the variance over all candidates that it explains.
 std::string ties_text(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
                       const std::vector<std::size_t>& candidates, std::size_t first,
                       const std::vector<std::size_t>& ties) {
@@ -166,8 +166,7 @@ std::string figure_text(const Results& results, const Column& figure, std::size_
   return fmt::format("{} {}, mean of {} plays", value, interval_text(noise, row), noise.replicate_count(row));
 }
 
-/// Returns a line with name and value for the ranked metric and for each metric that the conditions compare, at one
-/// point.
+/// Returns name and value of the ranked metric, and of each metric that the conditions compare, at one point.
 Lines figure_lines(const Results& results, const RankedRows& ranked, const Column& metric, const BestOptions& options,
                    std::size_t row) {
   Lines lines = {{shown_name(metric), figure_text(results, metric, row)}};
@@ -427,8 +426,7 @@ DrawnPair price_both(const Results& results, const RankedRows& ranked, const Obj
   return out;
 }
 
-/// Returns a column with the share ("86.5 %") of random draws of the energy tables in which each row is on the Pareto
-/// front.
+/// Returns a column with the share of random energy tables under which each row is on the Pareto front: "86.5 %".
 Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   Column shares{"on the front in", std::vector<Value>(rows)};
   const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
@@ -438,8 +436,7 @@ Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   return shares;
 }
 
-/// Adds a column for each metric that contains energy: the ratio of each row to the best row under low, nominal and
-/// high energy tables.
+/// Adds, for each metric with energy, a column of ratios to the best row under low, nominal and high energy tables.
 void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& columns) {
   for (const BandedMetric* metric : {&draws.x, &draws.y}) {
     if (!energy_metric(metric->path)) continue;

@@ -56,9 +56,8 @@ struct ParetoFront {
 /// Finds the Pareto front of two objectives: the selected rows that no other selected row dominates.
 ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& selected);
 
-/// Returns the dominated rows (`front.other`) that no other row dominates significantly. All comparisons of a row
-/// together have an error of 5 %. `sure`: if not empty, `better` dominates `worse` only if this function also returns
-/// true.
+/// Returns the dominated rows (`front.other`) that no other row dominates significantly. A row's comparisons together
+/// have an error of 5 %. `sure`: a row dominates only if this also returns true; may be empty.
 std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                          const FigureNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure);

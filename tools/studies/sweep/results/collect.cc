@@ -181,8 +181,7 @@ struct Collection {
 /// Reads all points of a sweep from the store, on all host cores. The result does not depend on the number of cores.
 Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& store) {
   constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
-  /// The metrics that one reader thread has found. `global`: for each metric of `names` its number in the whole
-  /// collection.
+  /// The metrics that a reader thread has found. `global`: for each of `names`, its number in the whole collection.
   struct Reader {
     MetricNames names;
     std::vector<std::uint32_t> global;
@@ -503,8 +502,7 @@ class MachineColumns {
  private:
   using Kind = sweep::SetMetric::Kind;
 
-  /// Returns the columns of metrics that depend on the machine alone, then of the main metrics' aggregates over
-  /// workloads.
+  /// Returns the metrics of the machine alone, then the aggregates of the main metrics over workloads, as columns.
   std::vector<Column> fold_metrics() const {
     std::vector<Column> columns;
     for (const auto& [path, m] : by_path_) {

@@ -44,8 +44,7 @@ class EnergyBand {
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
   /// Returns a table of the best points by the nominal value of the metric, with the confidence of each rank.
   std::string best_text(const Results& results, const BandedMetric& metric) const;
-  /// Returns a table of the energy table's entries that change the ranking most. Throws InputError for a metric without
-  /// energy.
+  /// Returns a table of the energy entries that change the ranking most. Throws InputError for a metric without energy.
   std::string tornado_text(const Results& results, const BandedMetric& metric);
 
  private:

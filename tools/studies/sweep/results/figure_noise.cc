@@ -48,8 +48,7 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 /// Returns the report path of the replicate statistics of a metric of `totals`.
 std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
 
-/// Returns half of the 95 % interval of a metric estimated by tile sampling, relative to its value; 0 for an exact
-/// metric.
+/// Returns the relative half-width of the 95 % interval of a metric estimated by tile sampling; 0 for an exact metric.
 double sampling_error(const ReportFile& report, const std::string& figure) {
   const std::string path = "totals.sampled." + figure;
   const double estimate = report.number(path + ".estimate");

@@ -20,9 +20,8 @@ MeasuredFigure seen_figure(const ReportFile& report, const std::string& path);
 /// Significance level of all tests of differences against noise.
 inline constexpr double kError = 0.05;
 
-/// The noise of a metric at some points of a sweep. It is measured if all these points have replicates, otherwise
-/// assumed from the size of their pictures. The noise of a function over workloads is computed from that of the
-/// machine's points.
+/// Noise of a metric at some points of a sweep: measured if all of them have replicates, otherwise assumed for the size
+/// of their pictures. For a function over workloads it is computed from the points of a machine.
 class FigureNoise {
  public:
   FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
@@ -63,8 +62,7 @@ std::string interval_text(const FigureNoise& noise, std::size_t row);
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
 /// Returns a report's warnings about extrapolated energy, area or latency.
 std::vector<std::string> extrapolation_lines(const sim::Json& report);
-/// States what random draws of the energy tables leave out: noise, the counts of other replicates than the first, and
-/// the uncertainty of the area.
+/// States what random draws of the energy tables ignore: noise, later replicates, and the uncertainty of the area.
 std::string energy_draws_note(const std::vector<const FigureNoise*>& figures);
 
 }  // namespace tools::results

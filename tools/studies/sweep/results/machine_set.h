@@ -41,9 +41,9 @@ struct Fold {
   bool larger_is_better = false;
 };
 
-/// Evaluates a metric over the workloads of each machine. Each point gets the value of its machine, or none if a point
-/// that the metric needs has no value. `larger_in_goal`: whether the goal that contains the metric prefers larger
-/// values; `worst` needs it unless the metric has a known direction. Throws InputError for unknown workloads.
+/// Evaluates a metric over the workloads of each machine. Each point gets the value of its machine; none if a needed
+/// point has no value. `larger_in_goal`: whether the goal that contains the metric prefers larger values; `worst` needs
+/// it unless the metric has a known direction. Throws InputError for unknown workloads.
 Column fold_column(const MachineSet& machines, sweep::SetMetric metric, Column points,
                    std::optional<bool> larger_in_goal);
 /// Evaluates the same function over workloads as `fold`, but on other values of the points.
@@ -76,8 +76,7 @@ RankedRows select_ranked(const Results& results, std::span<const Column* const> 
 /// Returns the selected points as rows to rank, or their machines if the column is a function over workloads.
 RankedRows rows_to_rank(const Results& results, const Column& column, const std::vector<bool>& points);
 
-/// Returns a column with the status of each row's machine: "done" if every workload has a result, otherwise "1 of 3
-/// done".
+/// Returns a column with the status of each row's machine: "done", or if workloads have no result, "1 of 3 done".
 Column machine_status(const Results& results);
 
 }  // namespace tools::results

@@ -412,8 +412,7 @@ std::string plain_text(double number, bool is_count) {
   return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digit_text(number);
 }
 
-/// The metric prefix (k, M, ...) that all numbers of a column share: that of the largest number, if this has more than
-/// four digits.
+/// The metric prefix (k, M, ...) of all numbers of a column: that of the largest, if it has more than four digits.
 class SharedPrefix {
  public:
   void add_number(double number) { largest_ = std::max(largest_, exponent_of(number)); }
@@ -525,8 +524,7 @@ std::vector<std::string> usual_machine_columns(const Results& results) {
   return names;
 }
 
-/// Selects the machines that a table shows, each by its first row. Replaces the columns of points by columns of
-/// machines.
+/// Selects the machines that a table shows, by their first rows. Replaces columns of points by columns of machines.
 std::vector<bool> select_machines(const Results& results, std::vector<Column>& columns,
                                   const std::vector<std::string>& where) {
   std::vector<const Column*> metrics;

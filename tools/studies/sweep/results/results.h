@@ -120,8 +120,7 @@ std::string csv_line(const std::vector<std::string>& cells);
 /// Returns the cells of a column for display: numbers with at most four digits and a common metric prefix, whole
 /// numbers in full, "-" for absent values.
 std::vector<std::string> shown_cells(const std::vector<Value>& values);
-/// Returns the cells of the given rows of a column for display. Whole numbers of a metric of `totals` also have at most
-/// four digits.
+/// Returns the cells of some rows of a column for display. Whole numbers of a metric have at most four digits, too.
 std::vector<std::string> shown_cells(const Column& column, const std::vector<std::size_t>& rows);
 /// Returns the name of the column for display.
 std::string shown_name(const Column& column);

@@ -54,8 +54,7 @@ Factor factor_of(const Column& column, const std::vector<std::size_t>& rows) {
   return factor;
 }
 
-/// True if two axes divide the points into the same groups. If no two points share a value, the axes must also order
-/// the points alike.
+/// True if two axes divide the points into the same groups; if no two points share a value, also order them alike.
 bool move_together(const Factor& a, const Factor& b) {
   if (a.levels.size() != b.levels.size()) return false;
   if (a.levels.size() == a.at.size()) return a.at == b.at;
@@ -298,8 +297,7 @@ double normal_draw(std::uint64_t draw, std::uint64_t point) {
   return std::sqrt(-2 * std::log(uniform(0))) * std::cos(2 * std::numbers::pi * uniform(1));
 }
 
-/// Computes 95 % intervals of the shares by parametric bootstrap: repeats the analysis on values drawn at random around
-/// the measured ones.
+/// Computes 95 % intervals of the shares by parametric bootstrap: from values drawn at random around the measured ones.
 void find_intervals(const Factors& factors, const std::vector<double>& values, const std::vector<double>& variances,
                     std::vector<Effect>& effects) {
   constexpr std::uint64_t kSweeps = 400;

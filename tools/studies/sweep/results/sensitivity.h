@@ -41,8 +41,7 @@ struct Sensitivity {
 /// 2. Otherwise: an additive model fitted by least squares. Neighbouring values are grouped if hardly any two points
 ///    share one. The share that chance explains is subtracted.
 /// 3. The variance due to noise is subtracted. Intervals are computed by a parametric bootstrap.
-/// 4. For a function over workloads, machines take the place of points: those whose points are all selected. The axis
-///    `workload` is left out.
+/// 4. A function over workloads: uses machines whose points are all selected, without the axis `workload`.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected);
 
 /// Returns the sensitivity tables. `metrics`: empty for the usual metrics. `band`: also lists the entries of the energy

@@ -62,8 +62,7 @@ struct ConditionTerm {
 /// empty.
 std::pair<Comparison, std::string> parse_comparison(const std::string& text);
 
-/// Parses a condition such as "worst(power_w)<1 and tni.trv.l1.size>='16 KiB'". Throws InputError with the column of
-/// the error.
+/// Parses "worst(power_w)<1 and tni.trv.l1.size>='16 KiB'". Throws InputError with the column of the error.
 std::vector<ConditionTerm> parse_condition(const std::string& text);
 
 }  // namespace tools::sweep

@@ -195,8 +195,7 @@ namespace {
 
 constexpr std::size_t kLongestLine = 100'000;  // bytes of a line of points.jsonl
 
-/// Returns the absolute path of a file whose name is relative to `folder`. Returns a text that is no file name
-/// unchanged.
+/// Makes a file name relative to `folder` absolute; returns a text that is no file name unchanged.
 std::string resolve_file_name(const std::string& text, const fs::path& folder) {
   const bool is_file = traces::is_scene_file(text) || text.ends_with(".yaml");
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
@@ -231,8 +230,7 @@ void check_setting(RunConfig base, const std::string& argument) {
   }
 }
 
-/// Checks one axis value; throws the InputError that a run would report if only this value were changed in the base
-/// configuration.
+/// Checks an axis value: throws the InputError of a run with only this change to the base configuration.
 void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
   if (key == "scene" && !value.empty() && !value.ends_with(".yaml")) check_scene(value);
   if (key == "program") kernels::parse_program(value);
@@ -298,8 +296,7 @@ void check_slicing(const Spec& spec) {
   });
 }
 
-/// True if the point's line in points.jsonl may be too long. The estimate assumes that each byte is escaped, which
-/// takes six bytes.
+/// True if the point's line in points.jsonl would be too long if each byte were escaped, which takes six bytes.
 bool may_be_long(const Point& point) {
   std::size_t bytes = point.config.size() + point.scene.size() + point.camera.size() + point.error.size();
   for (const auto& [name, value] : point.axes) bytes += name.size() + value.size();

@@ -10,13 +10,11 @@
 
 namespace tools::sweep {
 
-/// True if a combination of axis values (`choice`) meets the condition. Throws InputError if two compared values have
-/// no order.
+/// True if a combination of axis values meets the condition. Throws InputError if two compared values have no order.
 bool meets_condition(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
-/// Tests whether a combination of axis values meets at least one of many conditions; a small file can have thousands.
-/// Each condition is indexed by the term that holds for the fewest values, so that most are never evaluated. The
-/// conditions must outlive this object.
+/// Tests whether a combination of axis values meets at least one of thousands of conditions. Each is indexed by the
+/// term that holds for the fewest values, so that most are never evaluated. The conditions must outlive this object.
 class AnyCondition {
  public:
   AnyCondition(std::span<const AxisCondition> conditions, std::span<const Axis> axes);
@@ -30,10 +28,8 @@ class AnyCondition {
 
 /// Returns the distinct combinations of axis values of a sweep's subset that pass the filter `is_wanted`. Throws
 /// InputError for more than a million.
-/// 1. grid: all combinations, the last axis varies fastest. random, sobol: draw until `subset.count` different
-///    combinations pass.
-/// 2. latin_hypercube: draws each value of an axis equally often, then removes combinations that are repeated or do not
-///    pass.
+/// 1. grid: all, the last axis varies fastest. random, sobol: draw until `subset.count` different combinations pass.
+/// 2. latin_hypercube: draws each value of an axis equally often, then removes repeated and failing combinations.
 /// `sizes`: number of values of each axis.
 std::vector<Choice> choose_combinations(const Subset& subset, std::span<const std::uint32_t> sizes,
                                         const std::function<bool(const Choice&)>& is_wanted);

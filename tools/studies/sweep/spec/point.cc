@@ -124,8 +124,7 @@ Point parse_point_line(const std::string& line, const std::string& where) {
 
 namespace {
 
-/// True if the point may share recorded rays with points that differ only in the machine. Points with a picture, tile
-/// sampling or slices may not.
+/// True if points that differ only in the machine can share recorded rays: no picture, tile sampling or slices.
 bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image && point.slices == 0; }
 
 }  // namespace

@@ -44,8 +44,7 @@ std::string parse_metric_path(std::string_view path, std::string_view text) {
   return std::string(path);
 }
 
-// Path prefixes of metrics of which larger or smaller values are known to be better. The longest matching prefix
-// counts.
+// Path prefixes of metrics with a known better direction, larger or smaller. The longest matching prefix counts.
 struct MetricDirection {
   std::string_view prefix;
   bool is_larger_better;

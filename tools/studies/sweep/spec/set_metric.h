@@ -10,8 +10,7 @@
 
 namespace tools::sweep {
 
-/// Name of the axis that the key `workloads` of a sweep's file defines. A machine is evaluated on all values of this
-/// axis.
+/// Name of the axis that the key `workloads` of a sweep's file defines. A machine is evaluated on all of its values.
 inline constexpr std::string_view kWorkloadAxis = "workload";
 
 /// A metric of a machine over a set of workloads: "fps", "worst(fps)", "mean(fps)", "geomean(fps)", "on(chess, fps)".
@@ -64,8 +63,7 @@ struct WorkloadValue {
 ///    1 + ln k, because the smallest of k equal values is low by chance.
 std::optional<MeasuredFigure> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
                                                   bool larger_is_better);
-/// Evaluates a function over the values of all workloads, without noise. Returns nothing where evaluate_set_metric()
-/// does.
+/// Evaluates a function over the values of all workloads, without noise; nothing if it has no value.
 std::optional<double> fold_workloads(SetMetric::Kind kind, std::span<const double> values, bool larger_is_better);
 
 /// Returns the names of workloads as a list for an error message.

@@ -63,8 +63,7 @@ class Store {
   std::optional<sim::FileLock> lock_stream(const std::string& key) const;
 
   // The caller of these functions must hold the lock of the point or stream.
-  /// Calls `write` with a temporary folder for the result's files. Then adds their digests and renames the folder to
-  /// the point's.
+  /// Lets `write` write a result into a temporary folder, adds digests, and renames it to the point's folder.
   void put_result(const std::string& id, const sim::Json& made_of,
                   const std::function<void(const std::filesystem::path& folder)>& write) const;
   void put_failure(const Failure& failure) const;
@@ -100,8 +99,7 @@ class SweepFolder {
   /// Creates the folder if it is missing and locks it; returns nothing if another process holds the lock. Throws
   /// InputError for a folder with other contents.
   static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
-  /// Writes the files of a sweep or a search into a folder, replacing earlier ones. The caller must have locked it with
-  /// try_claim().
+  /// Writes, or replaces, the files of a sweep or search in a folder that the caller has locked with try_claim().
   static SweepFolder create(const std::filesystem::path& path, FolderKind kind, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
