@@ -48,7 +48,7 @@ SetComparison compare_sets(const RunSet& a, const RunSet& b);
 
 /// Returns the comparisons of all other run sets with the first as text for a terminal.
 std::string set_comparison_text(std::span<const RunSet> sets, std::span<const SetComparison> against);
-/// Returns the same with all metrics, and the comparison of runs on each workload, as JSON (raywatt-compare-sets/1).
+/// Returns comparisons of run sets, and of their runs on each workload, as JSON (schema raywatt-compare-sets/1).
 sim::Json set_comparison_json(std::span<const RunSet> sets, std::span<const SetComparison> against);
 /// Returns warnings on the reliability of comparisons of run sets, a line each.
 std::vector<std::string> set_comparison_warnings(std::span<const RunSet> sets, std::span<const SetComparison> against);

@@ -18,8 +18,7 @@ struct DvfsOptions {
   /// Multiples of the configured clock frequencies at which the frame is simulated.
   std::vector<double> factors = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2};
   std::vector<std::string> domains = {"tni", "srp", "l2"};  ///< domains whose clocks are scaled
-  double fps =
-      0;  ///< target frame rate in 1/s; 0: frame.fps of the configuration, or else the rate of the slowest point
+  double fps = 0;  ///< target frame rate in 1/s; 0: frame.fps of the configuration, else the slowest point's rate
 };
 
 /// An operating point: results of the frame with its clocks multiplied by one factor.

@@ -26,7 +26,7 @@ struct RelationRule {
   const char* words;
   bool (*holds)(double measured, double expected);
 };
-/// Texts and tests of the relations, indexed by Measurement::Relation.
+/// Name and test of each relation, indexed by Measurement::Relation.
 constexpr std::array<RelationRule, 5> kRules = {{
     {"exactly", [](double m, double e) { return std::abs(m - e) <= 1e-9 * std::abs(e); }},
     {"within 2 %", [](double m, double e) { return std::abs(m - e) <= kTolerance * e; }},

@@ -70,7 +70,7 @@ struct Odds {
 /// Computes the values of a search's goals from the results of simulations.
 class Evaluator {
  public:
-  /// `workloads`: at least one name.
+  /// `workloads`: names of the workloads, at least one.
   Evaluator(std::vector<Goal> goals, std::vector<std::string> workloads, double confidence, std::string file)
       : goals_(std::move(goals)), workloads_(std::move(workloads)), confidence_(confidence), file_(std::move(file)) {}
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using sweep::Point;
 using sweep::SweepFolder;
 
-/// Applies the options that override those of the search's file.
+/// Applies command-line options to a search's task. They override the search's file.
 void override_task(Task& task, const Options& options) {
   if (options.budget) task.budget = *options.budget;
   if (options.seed) task.seed = *options.seed;

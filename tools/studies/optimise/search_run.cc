@@ -27,7 +27,7 @@ constexpr std::uint64_t kNeighbourShare = 4;   // at most a quarter of the budge
 constexpr int kMostDoubtful = 4;               // doubtful machines simulated whole
 constexpr std::size_t kLooksPerPoint = 4;      // first looks (approximate simulations) per simulated machine
 constexpr std::uint64_t kMostImpossible = 10;  // impossible machines that are tolerated per machine of the budget
-/// With this share of the tiles in samples, whole frames take no longer: their rays are recorded once for all machines.
+/// From this share of sampled tiles on, whole frames take no longer: their rays are recorded once for all machines.
 constexpr double kWorthSampling = 0.6;
 constexpr double kLargePicture = 1'000'000;  // pixels that are enough for tile sampling (docs/sampling.md)
 

@@ -7,7 +7,7 @@
 
 namespace tools::optimise {
 
-/// What changes if the best machine of a search with one objective is replaced by a neighbour.
+/// What changes if the best machine of a search (one objective) is replaced by a neighbour, which differs in one axis.
 struct Trade {
   Neighbour neighbour;
   std::vector<std::optional<double>> values;  ///< by goal, nominal value; nothing if unknown

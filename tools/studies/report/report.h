@@ -72,8 +72,7 @@ struct TileGrid {
 /// Returns the tile grid of a picture. Throws InputError if tile positions are missing or outside the picture.
 TileGrid tile_grid(const TileFrame& tiles, double width, double height);
 
-/// A metric that pages show for each tile: the sum of some columns of tiles.json minus another. A tile's rows are
-/// added.
+/// A metric that pages show for each tile: the sum of some columns of tiles.json minus another, over all its rows.
 struct TileMetric {
   const char *id, *words, *unit;
   std::vector<const char*> columns;

@@ -352,7 +352,7 @@ class LocalLauncher final : public Launcher {
                                    {"attempt", order.attempt}});
     }
 
-    /// Waits a while for messages from workers and handles them.
+    /// Waits up to kPollPeriod for messages from workers and handles them.
     void poll_workers() {
       std::vector<pollfd> sockets;
       std::vector<std::size_t> polled;

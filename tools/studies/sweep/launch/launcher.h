@@ -75,8 +75,7 @@ struct LocalOptions {
   std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
   std::uint32_t threads = 0;  ///< threads of each worker; 0: the host's cores divided by the number of workers
   bool retry_failed = false;
-  bool keep_streams =
-      false;  ///< keep streams (recorded rays) after the last point has replayed them, for later batches
+  bool keep_streams = false;    ///< keep streams (recorded rays) after their last use, for later batches
   std::filesystem::path log{};  ///< folder for the output of workers; empty: it is discarded
 };
 

@@ -61,8 +61,7 @@ inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "
 
 /// The values of a report that the index stores.
 struct ReportScan {
-  std::vector<std::pair<std::uint32_t, Value>>
-      metrics;  ///< scalars of `totals`: number of the path (MetricNames), value
+  std::vector<std::pair<std::uint32_t, Value>> metrics;  ///< scalars of `totals`: number of path, value
   std::vector<std::array<Value, kFrameFigures.size()>> frames;
   std::array<Value, kHostFacts.size()> host;
 };

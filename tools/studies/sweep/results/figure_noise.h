@@ -39,7 +39,7 @@ class FigureNoise {
   double half_width(std::size_t row) const { return seen_[row].half_width(); }
   /// Returns the p-value of "`b` is better than `a`" under the null hypothesis that it is not.
   double p_value_better(std::size_t b, std::size_t a, bool more_is_better) const;
-  /// Returns "noise measured by 5 replicates a point" or "a noise of 2 %, assumed ...".
+  /// Describes the noise: "noise measured by 5 replicates a point" or "a noise of 2 %, assumed ...".
   std::string describe() const;
 
  private:

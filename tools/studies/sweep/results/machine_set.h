@@ -16,9 +16,8 @@ namespace tools::results {
 struct MachineSet {
   std::vector<std::string> workloads;  ///< names in the order of the points; empty if the sweep lists no workloads
   std::vector<std::string> axes;  ///< axes that distinguish machines: all except those that the workload determines
-  std::vector<std::vector<std::optional<std::size_t>>>
-      rows;  ///< by machine, then workload: row of the point; nothing if there is no such point
-  std::vector<std::size_t> machine_of;  ///< machine of each row
+  std::vector<std::vector<std::optional<std::size_t>>> rows;  ///< by machine and workload: row of the point, if any
+  std::vector<std::size_t> machine_of;                        ///< machine of each row
 
   /// True if machines are evaluated on more than one workload.
   bool is_set() const { return workloads.size() > 1; }

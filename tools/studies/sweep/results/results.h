@@ -27,7 +27,7 @@ using sweep::PointStatus;
 using sweep::sorts_before;
 using sweep::Value;
 
-/// Number of a sweep's points by status.
+/// Numbers of a sweep's points by status.
 using StatusCounts = std::map<PointStatus, std::size_t>;
 /// Returns "2 of 200 points have no result: 1 failed, 1 missing"; empty if all points have one.
 std::string missing_text(const StatusCounts& counts);

@@ -30,8 +30,8 @@ struct Sensitivity {
   bool is_grid = true;          ///< every combination of axis values was simulated, so that shares are exact
   std::vector<Effect> effects;  ///< effects of the axes, the largest share first
   double noise = 0;             ///< share of the variance that noise explains
-  std::string noise_text;       ///< source of the noise; empty for a figure without noise
-  /// Share of the variance that no axis explains alone.
+  std::string noise_text;       ///< source of the noise; empty for a metric without noise
+  /// Returns the share of the metric's variance that no single axis explains.
   double share_of_interactions() const;
 };
 
@@ -44,8 +44,8 @@ struct Sensitivity {
 /// 4. A function over workloads: uses machines whose points are all selected, without the axis `workload`.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected);
 
-/// Returns the sensitivity tables. `metrics`: empty for the usual metrics. `band`: also lists the entries of the energy
-/// tables that decide the ranking.
+/// Returns tables with the effect of each axis on each metric. `metrics`: empty for the main metrics. `band`: also
+/// lists the entries of the energy tables that change the ranking most.
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
                              const std::vector<std::string>& where, bool band = false);
 

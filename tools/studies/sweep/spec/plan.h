@@ -46,8 +46,8 @@ class Planner {
   std::vector<std::uint32_t> axis_sizes() const;  ///< number of values of each axis
   /// True if the combination meets every condition `where` of the spec and no condition `exclude`.
   bool is_wanted(const Choice& choice) const;
-  /// Makes the point of a combination of axis values, with id and stream but n = 0. If its values contradict each
-  /// other, the point has an error.
+  /// Makes the point of a combination of axis values, with its id and the key of its recorded rays. `n` is 0. If its
+  /// values contradict each other, the point has an error.
   Point make_point(const Choice& choice);
   /// Makes the point of a combination of axis values, with this tile sampling instead of that of the spec.
   Point make_point(const Choice& choice, const std::string& tile_sampling);

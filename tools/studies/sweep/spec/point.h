@@ -46,8 +46,7 @@ struct Point {
   std::string whole;                                         ///< id of the whole point of a slice
   std::vector<std::string> sets;                             ///< "key=value"
   std::string stream;  ///< key of the recorded rays, which points share that differ only in the machine; may be empty
-  std::string
-      error;  ///< reason that the point cannot be computed because its values contradict each other; may be empty
+  std::string error;   ///< contradiction between its values, which prevents a simulation; usually empty
 
   /// True if workers compute the slices of this point separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }

@@ -87,8 +87,7 @@ struct AxisCondition {
     std::optional<Side> right;    ///< right side if it is another axis
     std::string at;
     Operands lefts, rights;
-    std::vector<std::optional<bool>>
-        outcomes{};  ///< for each value of the left axis: outcome_of() its comparison with `values`
+    std::vector<std::optional<bool>> outcomes{};  ///< by value of the left axis: outcome_of() with `values`
   };
   std::vector<Term> terms;
 };

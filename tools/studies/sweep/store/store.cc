@@ -182,8 +182,8 @@ void Store::remove_stream(const std::string& key) const {
   fs::remove(stream_file(key), ignored);
 }
 
-/// Removes temporary folders of a point and sets a damaged result aside. Requires the point's lock, because other hosts
-/// may not see the locks of temporary folders.
+/// Removes temporary folders of a point and moves a damaged result to damaged/. Requires the point's lock, because
+/// other hosts may not see the locks of temporary folders.
 void Store::clean_up(const std::string& id) const {
   std::error_code error, ignored;
   for (const std::string& name : list_names(root_ / "tmp")) {
