@@ -393,7 +393,7 @@ inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";
-  static constexpr std::string_view kMeaning = kEight ? "sample, its three neighbours behind -> stream of suspects"
+  static constexpr std::string_view kMeaning = kEight ? "sample, its three earlier neighbours -> stream of suspects"
                                                       : "sample, its neighbour behind -> stream of suspects";
   template <class V>
   struct Ports {

@@ -243,7 +243,7 @@ Lines origin_lines(const Results& results, std::span<const sweep::Point> points,
 /// Throws InputError if random draws of the energy tables are requested for a metric without energy.
 void check_metric_has_energy(const Column& metric, const BestOptions& options) {
   if (!options.band || energy_metric(report_path(metric))) return;
-  throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",
+  throw sim::InputError(fmt::format("--energy band: {} does not depend on the energy tables; allowed: {}",
                                     shown_name(metric), kEnergyMetrics));
 }
 
@@ -413,7 +413,7 @@ struct DrawnPair {
 DrawnPair price_both(const Results& results, const RankedRows& ranked, const Objective& x, const Objective& y,
                      const ParetoFront& front) {
   if (!energy_metric(report_path(x.column)) && !energy_metric(report_path(y.column))) {
-    throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
+    throw sim::InputError(fmt::format("--energy band: neither {} nor {} depends on the energy tables; allowed: {}",
                                       shown_name(x.column), shown_name(y.column), kEnergyMetrics));
   }
   std::vector<std::size_t> rows = front.all_rows();

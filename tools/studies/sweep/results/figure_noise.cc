@@ -198,10 +198,10 @@ std::string energy_draws_note(const std::vector<const FigureNoise*>& figures) {
   const auto some = [&](auto is) { return std::ranges::any_of(figures, [&](const FigureNoise* f) { return is(*f); }); };
   std::string out;
   if (some([](const FigureNoise& f) { return f.is_noisy(); })) {
-    out += "the draws are of the energy tables alone: of noise they say nothing\n";
+    out += "the draws vary the energy tables only; they do not include noise\n";
   }
   if (some([](const FigureNoise& f) { return f.is_noisy() && f.is_measured(); })) {
-    out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
+    out += "a draw takes the counts of replicate 0, and the metric is the mean of all replicates\n";
   }
   if (some([](const FigureNoise& f) { return report_path(f.means()).ends_with("_per_mm2"); })) {
     out += "area is nominal in all draws\n";

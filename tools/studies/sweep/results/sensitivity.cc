@@ -335,7 +335,7 @@ std::string tornado_tables(const Results& results, const std::vector<std::string
   }
   if (out.empty()) {
     throw sim::InputError(
-        fmt::format("--energy band: no metric has joules that draws tell of; allowed: {}", kEnergyMetrics));
+        fmt::format("--energy band: no metric depends on the energy tables; allowed: {}", kEnergyMetrics));
   }
   return out;
 }

@@ -380,7 +380,7 @@ Point Planner::make_point(const Choice& choice, const std::string& tile_sampling
   }
   at_key(spec_, "scene", [&] { keys_.set_key(point); });
   if (may_be_long(point) && format_point_line(point).size() > kLongestLine) {
-    throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
+    throw sim::InputError(fmt::format("the description of a point has more than {} bytes", kLongestLine));
   }
   return point;
 }

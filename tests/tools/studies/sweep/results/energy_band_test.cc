@@ -90,7 +90,7 @@ TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
   EXPECT_SAYS(best, "under 2000 draws of the energy tables, 4 points");
   EXPECT_SAYS(best, "best in");
   EXPECT_SAYS(best, "over the best, low / nominal / high tables");
-  EXPECT_SAYS(best, "the draws are of the energy tables alone: of noise they say nothing\n");
+  EXPECT_SAYS(best, "the draws vary the energy tables only; they do not include noise\n");
   EXPECT_EQ(ask("best", {"--min", "energy_mj.nominal"}),
             ask("best", {"--min", "energy_mj.nominal", "--energy", "nominal"}));
   const Words pareto = {"--x", "energy_mj.nominal", "--y", "fps", "--energy", "band"};
@@ -106,7 +106,7 @@ TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
   expect_refusal(raywatt({"sweep", "pareto", out, "--x", "cycles", "--y", "fps", "--energy", "band"}), {"joules"});
   expect_refusal(raywatt({"sweep", "sensitivity", out, "--metric", "cycles", "--energy", "band"}), {"joules"});
   expect_refusal(raywatt({"sweep", "best", out, "--min", "cycles", "--energy", "band"}),
-                 {"cycles has no joules that draws tell of; allowed: energy_mj.nominal"});
+                 {"cycles does not depend on the energy tables; allowed: energy_mj.nominal"});
   expect_refusal(raywatt({"sweep", "best", out, "--min", "cycles", "--energy", "all"}), {"--energy"});
 }
 
