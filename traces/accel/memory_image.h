@@ -25,6 +25,19 @@ struct alignas(64) NodeRecord {
 };
 static_assert(sizeof(NodeRecord) == 64);
 
+/// Inner node of a wide BVH with up to kMaxWidth children, as traversal sees it. The planes are floats in the numbers
+/// that box tests use: for quantised formats the results of the decoder, for hybrid numbers whole grid planes.
+/// wide_format.h defines the node's bits in the GPU's memory.
+///
+/// 1. Children are in slots. A slot without a child has a kNoChild link and an inverted box, which is never hit.
+/// 2. The inner children of a node have consecutive numbers in slot order, all larger than the node's.
+/// 3. The triangles of a node's leaves are consecutive in slot order.
+struct alignas(32) WideNode {
+  float planes[3][2][kMaxWidth];   ///< for each axis: the lower planes of all slots, then the upper planes
+  std::uint32_t child[kMaxWidth];  ///< link words
+};
+static_assert(sizeof(WideNode) == 224);
+
 // A link word names a child. A leaf is 1 | triangles - 1 (3 bits) | first triangle (28), a node is 0 | node (31). Only
 // the root of a one-leaf tree has a kNoChild link; its inverted box is never hit.
 inline constexpr std::uint32_t kNoChild = 0x7fffffffU;
@@ -215,7 +228,8 @@ struct ObjectTree {
 /// The scene as stored in the GPU's memory, in one of two forms: all instances flattened into world space under one
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
-  std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
+  std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root; empty if the trees are wide
+  std::vector<WideNode> wide_nodes;       ///< nodes of all trees if they are wide (BvhConfig::is_wide), otherwise empty
   std::vector<InstanceRecord> instances;  ///< instances of a two-level image, in the order of Scene::instances
   std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
   std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
@@ -235,6 +249,8 @@ struct MemoryImage {
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid on which the planes of all boxes are
   Layout layout;
+  bool is_wide() const { return !wide_nodes.empty(); }
+  std::size_t node_count() const { return is_wide() ? wide_nodes.size() : nodes.size(); }
   bool has_two_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
   bool has_single_sided() const;  ///< True if rays pass through the back faces of some material.
