@@ -15,8 +15,8 @@ namespace traces {
 //   wide   00 | 1 | 00 | node(27)                  an inner node of a wide tree is tested, all children at once; the
 //                                                  next word is mask(8) | slots(8 x 3): bit i of `mask` is set if the
 //                                                  child in slot i is hit; the lowest three bits of `slots` are the
-//                                                  slot of the nearest hit child, then the next nearest, and so on;
-//                                                  slots beyond the hit children are 0
+//                                                  slot of the hit child that is entered, then of the next one, and so
+//                                                  on; slots beyond the hit children are 0
 //   leaf   01 | count(4) | first triangle(26)      a leaf is entered and `count` triangles are tested (a shadow ray
 //                                                  stops after a hit without flags, ray.h); the next word has the
 //                                                  exit phase of each test, 4 bits each, first test lowest
@@ -25,7 +25,7 @@ namespace traces {
 //   end    11 | hit(1)
 //
 // A leaf, or a visit without a hit, is followed by a pop or the end. A visit that hits both children pushes the far
-// one. A wide visit enters the nearest hit child and pushes the others, the farthest first. Trees of more than two
+// one. A wide visit enters the first of the hit children and pushes the others, the last first. Trees of more than two
 // children per node, and of quantised boxes, have wide visits only; other trees have none. A cull counts children in
 // both. An enter is followed by the visit of that root. Leaving an instance has no word: the ray returns to world space
 // when an entry is popped that was on the stack before it entered.

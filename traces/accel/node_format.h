@@ -28,6 +28,32 @@ enum class NodeFormat : std::uint8_t {
 };
 constexpr std::array<std::string_view, 5> names_of(NodeFormat) { return {"fp32", "hybrid", "q8", "q12", "cw80"}; }
 
+constexpr bool is_quantised(NodeFormat format) { return format >= NodeFormat::kQ8; }
+
+/// Returns the most records that a leaf may have: q8 has 3 bits for it, of which 0 is an inner child, q12 has 4 bits,
+/// and cw80 counts to 3 in unary.
+constexpr std::uint32_t most_leaf_records(NodeFormat format) {
+  return format == NodeFormat::kQ8 ? 7 : format == NodeFormat::kCw80 ? 3 : kMaxLeafTriangles;
+}
+
+/// Returns the size in bytes of a node with up to `width` children. Float nodes have 24 bytes of box and 46 bits of
+/// link and flags per child and fill whole lines; hybrid nodes have 20 bytes per child.
+constexpr std::uint32_t wide_node_bytes(NodeFormat format, std::uint32_t width) {
+  switch (format) {
+    case NodeFormat::kFp32:
+      return (width * (24 * 8 + 46) + 511) / 512 * 64;
+    case NodeFormat::kHybrid:
+      return 20 * width;
+    case NodeFormat::kQ8:
+      return 64;
+    case NodeFormat::kQ12:
+      return 128;
+    case NodeFormat::kCw80:
+      return 80;
+  }
+  return 0;
+}
+
 /// How the children of wide nodes are chosen from the binary tree (build/collapse.h).
 enum class Collapse : std::uint8_t { kArea, kSah };
 constexpr std::array<std::string_view, 2> names_of(Collapse) { return {"area", "sah"}; }
@@ -35,6 +61,14 @@ constexpr std::array<std::string_view, 2> names_of(Collapse) { return {"area", "
 /// What the dynamic programme of Collapse::kSah minimises.
 enum class CollapseCost : std::uint8_t { kTests, kBytes };
 constexpr std::array<std::string_view, 2> names_of(CollapseCost) { return {"tests", "bytes"}; }
+
+/// Order in which a ray visits the hit children of a wide node.
+enum class ChildOrder : std::uint8_t {
+  kSort,     ///< by entry distance; of equal distances the lower slot first
+  kNearest,  ///< the nearest first, the others by slot
+  kOctant,   ///< by slot, as the octant of the ray's direction selects (wide_format.h), whatever the distances
+};
+constexpr std::array<std::string_view, 3> names_of(ChildOrder) { return {"sort", "nearest", "octant"}; }
 
 /// Record of the triangles of a leaf (leaf_format.h): one record per triangle, two triangles in 64 bytes, or a block of
 /// 128 bytes whose vertices share leading bits.
