@@ -35,7 +35,7 @@ class BankLanes {
   }
   /// Takes, for each bank in the mask `bank_mask`, the larger of its numbers in this array and in the array `other`.
   /// Returns the minimum over these banks.
-  std::uint64_t min_of_max(const BankLanes& other, std::uint32_t bank_mask) const {
+  std::uint64_t min_of_maxima_with(const BankLanes& other, std::uint32_t bank_mask) const {
     return min_of(bank_mask, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
   /// Returns the bitwise OR of the numbers in this array for the banks in the mask `bank_mask`.

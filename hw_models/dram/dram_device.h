@@ -209,7 +209,7 @@ class DramDevice {
   template <DramCommand kCommand>
   Cycle first_ready_cycle(std::uint32_t bank_mask, bool write) const {
     const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
-    return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], bank_mask) : at.min_of(bank_mask);
+    return kCommand == DramCommand::kColumn ? at.min_of_maxima_with(group_at_[write], bank_mask) : at.min_of(bank_mask);
   }
   /// Returns the first cycle at or after `ready` at which the command bus and data bus are free for the command. If the
   /// data clock WCK is stopped, a read or write needs a CAS first. The result is then the cycle of the CAS.

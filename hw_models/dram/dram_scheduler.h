@@ -57,12 +57,12 @@ struct FrFcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool is_overdue) {
     EligibleBanks banks{queue.requested_bank_mask(), queue.hit_bank_mask()};
     if (is_overdue) [[unlikely]]
-      banks.columns = hit_bank_mask_without_overtaking(queue);
+      banks.columns = hit_bank_mask_protecting_oldest(queue);
     return banks;
   }
   /// Returns a mask of the banks with queued row hits. The bank of the oldest request is included only if that request
   /// hits.
-  static std::uint32_t hit_bank_mask_without_overtaking(const DramQueue& queue) {
+  static std::uint32_t hit_bank_mask_protecting_oldest(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest_entry().address.bank;
     return (queue.hit_position_mask(bank) & 1) != 0 ? queue.hit_bank_mask() : queue.hit_bank_mask() & ~(1U << bank);
   }
@@ -71,7 +71,7 @@ struct FrFcfs {
 /// FCFS (first come, first served): the oldest request in the DRAM queue blocks all others.
 struct Fcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
-    return {1U << queue.oldest_entry().address.bank, FrFcfs::hit_bank_mask_without_overtaking(queue)};
+    return {1U << queue.oldest_entry().address.bank, FrFcfs::hit_bank_mask_protecting_oldest(queue)};
   }
 };
 

@@ -67,12 +67,12 @@ class MemoryFifo {
     return accepted_ != delivered_ ? Waits::kMemory : Waits::kNothing;
   }
 
-  sim::Time next_wake(sim::Time next) const {
+  sim::Time next_wake(sim::Time next_cycle) const {
     sim::Time at = links_.memory_in.pop_at();
     if (has_record()) at = std::min(at, links_.out.push_at());
     if (can_read() || can_write()) at = std::min(at, links_.memory_out.push_at());
     if (has_room()) at = std::min(at, links_.in.pop_at());
-    return std::max(next, at);
+    return std::max(next_cycle, at);
   }
 
   const Counts& transfer_counts() const { return counts_; }

@@ -31,8 +31,8 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 
 sim::Time CorePort::tick(sim::Time now) {
   account_until(now);
-  const bool requested = clients_in_.nonempty_mask() != 0 && send_requests_up(now);
-  if (targets_in_.nonempty_mask() != 0) send_lines_down(now);
+  const bool requested = clients_in_.nonempty_mask() != 0 && send_requests_to_memory(now);
+  if (targets_in_.nonempty_mask() != 0) send_lines_to_clients(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = find_next_wake(now);
   const auto why_at = [&](sim::Time at, CycleReason otherwise) {
@@ -57,7 +57,7 @@ inline void CorePort::account_until(sim::Time until) {
     activity_.spend(line_transfer_end_, clock_.period(), waiting_, waiting_);
 }
 
-inline bool CorePort::send_requests_up(sim::Time now) {
+inline bool CorePort::send_requests_to_memory(sim::Time now) {
   if (ideal_) {
     bool any = false;
     for (std::uint32_t client = 0; client < up_.requester_count(); ++client) {
@@ -90,7 +90,7 @@ inline void CorePort::send_request(std::uint32_t client, sim::Time now) {
   stats_.lines_up += request.write;
 }
 
-[[gnu::always_inline]] inline void CorePort::send_lines_down(sim::Time now) {
+[[gnu::always_inline]] inline void CorePort::send_lines_to_clients(sim::Time now) {
   if (ideal_) {
     for (std::uint32_t target = 0; target < down_.requester_count(); ++target) {
       while (can_send_line(target, now)) send_line(target, now);

@@ -102,8 +102,8 @@ class CorePort {
   std::string state() const;
 
  private:
-  bool send_requests_up(sim::Time now);
-  void send_lines_down(sim::Time now);
+  bool send_requests_to_memory(sim::Time now);
+  void send_lines_to_clients(sim::Time now);
   void send_request(std::uint32_t client, sim::Time now);
   void send_line(std::uint32_t target, sim::Time now);
   bool can_send_request(std::uint32_t client, sim::Time now) const {

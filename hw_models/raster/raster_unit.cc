@@ -200,13 +200,13 @@ void RasterUnit::begin_back_stage(sim::Time now) {
   const Job& of = job_at(ended_);
   const traces::RasterTriangle& triangle = of.triangle_at(finished_);
   const std::uint64_t cycles =
-      of.is_batch() ? count_listing_cycles(triangle) : count_coverage_cycles(triangle, of.work());
+      of.is_batch() ? count_binning_cycles(triangle) : count_coverage_cycles(triangle, of.work());
   queued_ -= 1;
   has_back_ = true;
   back_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-std::uint64_t RasterUnit::count_listing_cycles(const traces::RasterTriangle& triangle) {
+std::uint64_t RasterUnit::count_binning_cycles(const traces::RasterTriangle& triangle) {
   stats_.triangles += 1;
   stats_.triangles_culled += triangle.lists == 0;
   return std::uint64_t{triangle.lists} * config_.list_interval;

@@ -341,7 +341,7 @@ class RasterUnit {
   bool advance_cursor(Cursor& cursor) const;
   /// Counts the events of the rasteriser's back stage for one triangle: adding it to tile lists (geometry pass), or
   /// finding the samples that it covers (wave). Returns the cycles that this takes.
-  std::uint64_t count_listing_cycles(const traces::RasterTriangle& triangle);
+  std::uint64_t count_binning_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t count_coverage_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();
   std::uint64_t depth_buffer_parts_of(const Job& job) const { return config_.depth_buffer_parts(job.node().items); }

@@ -262,13 +262,13 @@ bool Srp::issue_loads(sim::Time now) {
   if ((loads_.missing >> slot & 1U) != 0)
     loads_.queue.push_back({at + config_.latency.cached_load_latency() * clock_.period(), slot});
   loop_.next_item += 1;
-  issue_ready_hits();
+  issue_loads_that_hit();
   return true;
 }
 
 /// Fast path: handles the loads of later loop items early if that changes no result. That is the case for items without
 /// cache lines, and for items that hit while no miss is outstanding, so that no fill can precede them.
-inline void Srp::issue_ready_hits() {
+inline void Srp::issue_loads_that_hit() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
     if (cache_.outstanding_misses() != 0) return;

@@ -183,7 +183,7 @@ class Srp {
   void fill_arrived_line(sim::Time now);
   bool issue_loads(sim::Time now);
   bool load_all_items(sim::Time now);
-  void issue_ready_hits();
+  void issue_loads_that_hit();
   bool request_lines(sim::Time now, std::uint32_t item);
   bool ensure_loads_in_time(sim::Time now);
   std::span<const traces::Access> accesses_of(std::uint32_t item) const;

@@ -61,7 +61,7 @@ class TimingWheel {
     occupied_ |= std::uint64_t{1} << bin;
   }
   /// Returns 1 if any slot of the unit completes in the given cycle, else 0.
-  std::uint64_t completes_in(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
+  std::uint64_t completion_bit_at(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
   /// Returns the time of the first completion in any pipe after the given cycle; kNever if all pipes are empty.
   sim::Time next_completion(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;

@@ -318,7 +318,7 @@ template <bool kDefault>
   if (has_output(now) || (has.prefetches && !far_nodes_.empty())) issue_outputs(cycle);
   if (rays_moved_) account_full_buffer(now);
   const bool is_busy =
-      !has.one_pipe && (issuable_slot_mask() | waiting_[kToStack] | pipes_.completes_in(cycle.number + 1)) != 0;
+      !has.one_pipe && (issuable_slot_mask() | waiting_[kToStack] | pipes_.completion_bit_at(cycle.number + 1)) != 0;
   const sim::Time wake = is_busy ? cycle.next : next_wake(cycle);
   const bool tried = why != CycleReason::kStarved;
   const CycleReason then = tried && wake == cycle.next ? why : wait_reason(cycle.next);

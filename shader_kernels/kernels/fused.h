@@ -29,7 +29,8 @@ struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
 
 /// Parts of fused kernels that classify and light a surface whose texture details have been applied.
 template <class... Record>
-using Lit = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
+using Lit =
+    Fused<ClassifySurfaces, ListDeferred, LightImmediately<ShadeAmbient>, LightImmediately<ShadeDiffuse>, Record...>;
 
 struct LightSurface : Lit<> {
   static constexpr std::string_view kName = "light_surface";
@@ -58,7 +59,7 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
 /// Parts of fused kernels that fetch, classify and light a surface, for scenes without texture details.
 template <bool kInstanced, bool kCones, class... Record>
 using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
-                            ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
+                            LightImmediately<ShadeAmbient>, LightImmediately<ShadeDiffuse>, Record...>;
 
 template <bool kInstanced, bool kCones = false>
 struct FetchLit : FetchedAndLit<kInstanced, kCones> {
@@ -168,7 +169,7 @@ struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
 
 template <bool kAlongY>
 struct InterpolateLit : Fused<InterpolateAttributes<kAlongY>, ClassifySurfaces, ListDeferred,
-                              ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeVisible>> {
+                              LightImmediately<ShadeAmbient>, LightImmediately<ShadeVisible>> {
   static constexpr std::string_view kName = kAlongY ? "interpolate_lit_y" : "interpolate_lit_x";
   static constexpr std::string_view kMeaning =
       "interpolate_attributes, classify_surfaces, shade_ambient, shade_visible of the first light";
@@ -208,9 +209,10 @@ struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShad
 // first occlusion ray.
 
 template <class... Local>
-using LitBy = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
+using LitBy = Fused<ClassifySurfaces, ListDeferred, LightImmediately<Local>...>;
 template <bool kInstanced, bool kCones, class... Local>
-using FetchedAndLitBy = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
+using FetchedAndLitBy =
+    Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred, LightImmediately<Local>...>;
 
 struct LightSurfaceOpen : LitBy<ShadeAmbient, ShadeOpen> {
   static constexpr std::string_view kName = "light_surface_open";

@@ -57,7 +57,7 @@ M<V> is_immediately_lit(const I<V>& classes) {
 /// Kernel that runs kernel K over the list of all surfaces, but lights only surfaces that can be lit immediately.
 /// Without this wrapper K runs over the list of diffuse surfaces.
 template <class K>
-struct ImmediateLit {
+struct LightImmediately {
   using Of = K;
   template <class V>
   struct Ports : K::template Ports<V> {

@@ -126,7 +126,7 @@ inline constexpr float kLeastWeight = 1e-30F;
 
 /// True if the sample had a mirrored or refracted ray, whether it hit something or not.
 template <class V>
-M<V> has_branch(const VisibleRecord<V>& record) {
+M<V> has_path_branch(const VisibleRecord<V>& record) {
   return F<V>(0.5F * kNoBranchDepth) < record.depth;
 }
 
@@ -195,10 +195,10 @@ struct ListBranches {
   static void body(const I<V>& item, Ports<V>& io) {
     const DivMod<V> pixel = row_and_column<V>(to_float(item), io.finished);
     I<V> sample = to_int(centre_sample<V>(pixel, io.finished) + io.branch);
-    M<V> any = has_branch<V>(io.visible.load(sample));
+    M<V> any = has_path_branch<V>(io.visible.load(sample));
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
       sample = sample + io.apart;
-      any = logical_or(any, has_branch<V>(io.visible.load(sample)));
+      any = logical_or(any, has_path_branch<V>(io.visible.load(sample)));
     }
     io.masters.store(io.masters_count.next_index(any), {item});
   }
@@ -313,7 +313,7 @@ struct Reconstruct {
         taps[kOwn].weights[k] = select(alone, F<V>(1.0F), taps[kOwn].weights[k]);
       }
       shares[k] = 0.25F / all;
-      if constexpr (kBranch) shares[k] = select(has_branch<V>(own[k]), shares[k], F<V>(0.0F));
+      if constexpr (kBranch) shares[k] = select(has_path_branch<V>(own[k]), shares[k], F<V>(0.0F));
     }
     return shares;
   }

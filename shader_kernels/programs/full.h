@@ -20,7 +20,7 @@ class FullProgram final : public FrameProgram {
               std::uint32_t samples, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< tiles are numbered row by row
-  TileCounts tile_counts() const override { return {tiles_across_, tiles_down_}; }
+  TileGridSize tile_grid_size() const override { return {tiles_across_, tiles_down_}; }
   FrameRequirements requirements() const override;
   /// Returns the number of pixels in a full tile.
   std::uint32_t tile_pixels() const { return side_ * side_; }

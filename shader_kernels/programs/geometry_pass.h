@@ -18,7 +18,7 @@ class GeometryPass final : public FrameProgram {
                std::uint32_t frame);
 
   std::uint32_t tiles() const override { return batch_count() + program_->tiles(); }
-  TileCounts tile_counts() const override { return program_->tile_counts(); }
+  TileGridSize tile_grid_size() const override { return program_->tile_grid_size(); }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;

@@ -28,7 +28,7 @@ class UpsampledProgram final : public FrameProgram {
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.tile_count(); }
-  TileCounts tile_counts() const override {
+  TileGridSize tile_grid_size() const override {
     return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
   }
   FrameRequirements requirements() const override;

@@ -119,8 +119,8 @@ class TreeBuilder {
 
   /// Declares a text field whose value makes several sibling groups extend files of that name: `process: 5nm` makes
   /// `energy` extend energy/5nm and `area` extend area/5nm. All other settings of these groups override the files.
-  void bundle(std::string& member, std::string_view key, std::string_view meaning, std::vector<std::string> groups,
-              Affects affects) {
+  void bundle_choice(std::string& member, std::string_view key, std::string_view meaning,
+                     std::vector<std::string> groups, Affects affects) {
     (*this)(member, key, "", meaning, any(), affects);
     group_.children.back().bundle = std::move(groups);
   }

@@ -28,8 +28,8 @@ class ConfigLoader {
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
-  /// Reads the values of bundle fields (TreeBuilder::bundle) from --set arguments. Call before files are read. If there
-  /// are several for a field, the last one counts.
+  /// Reads the values of bundle fields (TreeBuilder::bundle_choice) from --set arguments. Call before files are read.
+  /// If there are several for a field, the last one counts.
   void choose_bundles(std::span<const std::string> sets);
   /// Reads a configuration file that may contain only the given keys at its top level.
   void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
@@ -48,8 +48,8 @@ class ConfigLoader {
     bool is_file = true;
     std::string location_text(TextPosition position) const;
   };
-  /// Value of a bundle field (TreeBuilder::bundle), where it was set, and the folder in which its files are searched
-  /// first.
+  /// Value of a bundle field (TreeBuilder::bundle_choice), where it was set, and the folder in which its files are
+  /// searched first.
   struct ChosenBundle {
     std::string name, at;
     std::filesystem::path folder;
@@ -59,8 +59,8 @@ class ConfigLoader {
   void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
   void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
   void apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source);
-  /// Makes each group of a bundle (TreeBuilder::bundle) extend the file that the bundle's value names, once. If several
-  /// files set the bundle field, the outermost one counts.
+  /// Makes each group of a bundle (TreeBuilder::bundle_choice) extend the file that the bundle's value names, once. If
+  /// several files set the bundle field, the outermost one counts.
   void apply_bundle(ConfigNode& group, ConfigNode& node, const YamlNode& value, const Source& source,
                     const std::string& at);
   void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);

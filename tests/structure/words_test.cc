@@ -30,7 +30,7 @@ constexpr std::array kWords = {
     Retired{"thaw", "resume"},
     Retired{"take_line", "fill"},
     Retired{"touch_cache", "issue_loads"},
-    Retired{"pass_hits", "issue_ready_hits"},
+    Retired{"pass_hits", "issue_loads_that_hit"},
     Retired{"forked_", "both_children_hit_"},
     Retired{"DramForms", "DramClosedForms"},
     Retired{"DramFigures", "DramMeasurements"},

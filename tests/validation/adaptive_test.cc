@@ -51,8 +51,8 @@ struct Gain {
     speed_up = ratio(full.cycles, run.cycles);
     perf_per_watt = tni_pj(full) / tni_pj(run);
     power = speed_up / perf_per_watt;
-    check = kernel_share(run, KernelGroup::kCheck).value_or(0);
-    interpolation = kernel_share(run, KernelGroup::kInterpolation).value_or(0);
+    check = kernel_busy_share(run, KernelGroup::kCheck).value_or(0);
+    interpolation = kernel_busy_share(run, KernelGroup::kInterpolation).value_or(0);
     starved = starved_share(run).value_or(0);
   }
 };

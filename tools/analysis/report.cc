@@ -85,7 +85,7 @@ double group_share_of_kernel(std::string_view kernel, KernelGroup group) {
 
 }  // namespace
 
-std::optional<double> kernel_share(const FrameResult& run, KernelGroup group) {
+std::optional<double> kernel_busy_share(const FrameResult& run, KernelGroup group) {
   double all = 0, those = 0;
   for (std::size_t k = 0; k < run.kernels.size(); ++k) {
     const auto cycles = static_cast<double>(run.kernel_use[k].cycles);
@@ -150,9 +150,9 @@ Json sampling_json(const FrameResult& run) {
   const auto add = [&](const char* key, const std::optional<double>& share) {
     if (share) out[key] = *share;
   };
-  add("check_share", kernel_share(run, KernelGroup::kCheck));
-  add("interpolation_share", kernel_share(run, KernelGroup::kInterpolation));
-  add("correction_share", kernel_share(run, KernelGroup::kCorrection));
+  add("check_share", kernel_busy_share(run, KernelGroup::kCheck));
+  add("interpolation_share", kernel_busy_share(run, KernelGroup::kInterpolation));
+  add("correction_share", kernel_busy_share(run, KernelGroup::kCorrection));
   add("starved_share", starved_share(run));
   return out;
 }

@@ -71,7 +71,7 @@ std::vector<std::string> run_warnings(const RunConfig& config, std::span<const s
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
 /// Returns the share of the shader cores' busy cycles spent in kernels of a group; nullopt if they were never busy.
-std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
+std::optional<double> kernel_busy_share(const FrameResult& run, KernelGroup group);
 
 /// Returns the share of time in which a core's T&I unit has no rays while its shader core runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& run);

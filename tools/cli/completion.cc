@@ -418,7 +418,7 @@ std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
 
 }  // namespace
 
-void add_completion(CLI::App& app) {
+void add_completion_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("completion", "Print a completion script for a shell");
   const auto shell = std::make_shared<std::string>();
   verb->add_option("shell", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
@@ -431,7 +431,7 @@ void add_completion(CLI::App& app) {
   });
 }
 
-void add_man(CLI::App& app) {
+void add_man_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("man", "Print the manual page: every verb with its options");
   verb->footer("Example: raywatt man | man -l -");
   verb->callback([&app] { fmt::print("{}", manual_page(declared_verbs(app))); });

@@ -65,7 +65,7 @@ void add_show(CLI::App& group) {
 
 }  // namespace
 
-void add_energy(CLI::App& app) {
+void add_energy_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("energy", "Show energy tables, and recalculate the energy of finished runs");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt energy show tni.box_test");
@@ -73,7 +73,7 @@ void add_energy(CLI::App& app) {
   add_show(*verb);
 }
 
-void add_dvfs(CLI::App& app) {
+void add_dvfs_command(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("dvfs", "Simulate frame rate and power at several clocks, each at the voltage that it needs");
   const auto options = std::make_shared<DvfsOptions>();
@@ -101,7 +101,7 @@ void add_dvfs(CLI::App& app) {
   });
 }
 
-void add_sustain(CLI::App& app) {
+void add_sustain_command(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("sustain", "Calculate frame rate and temperature over minutes with a thermal governor");
   const auto options = std::make_shared<SustainOptions>();

@@ -109,7 +109,7 @@ void reject_key_argument(const std::string& name) {
 
 }  // namespace
 
-void add_config(CLI::App& app) {
+void add_config_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("config", "Show configurations and their keys");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt config show sgrt-2016 --set cores=2");
@@ -166,7 +166,7 @@ void print_kernel(const JobOptions& options, const std::string& name) {
 
 }  // namespace
 
-void add_kernels(CLI::App& app) {
+void add_kernels_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("kernels", "Show the kernels of the shader cores");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt kernels show shade_diffuse");
@@ -273,7 +273,7 @@ CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* descripti
 
 }  // namespace
 
-void add_scenes(CLI::App& app) {
+void add_scenes_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("scenes", "List, describe and export scenes");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt scenes info teapot");

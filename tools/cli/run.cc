@@ -12,7 +12,7 @@
 
 namespace tools {
 
-void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
+void add_run_command(CLI::App& app, const std::vector<std::string>& argv, int&) {
   CLI::App* verb = app.add_subcommand("run", "Render on the simulated GPU and report cycles, rays and energy");
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
@@ -59,7 +59,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->callback([options] { options->rays.empty() ? run_frames(*options) : run_rays(*options); });
 }
 
-void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) {
+void add_verify_command(CLI::App& app, const std::vector<std::string>& argv, int& exit) {
   CLI::App* verb = app.add_subcommand("verify", "Compare every ray, primary and secondary, with Embree");
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
@@ -146,7 +146,7 @@ void add_info(CLI::App& group) {
 
 }  // namespace
 
-void add_trace(CLI::App& app, const std::vector<std::string>& argv) {
+void add_trace_command(CLI::App& app, const std::vector<std::string>& argv) {
   CLI::App* verb = app.add_subcommand("trace", "Record the work of a run once, and simulate it on any machine");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt trace replay chess.trace --set cores=2");

@@ -30,7 +30,7 @@
 
 namespace tools {
 
-void add_report(CLI::App& app) {
+void add_report_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("report", "Write a self-contained HTML report of a run, a comparison or a sweep");
   const auto options = std::make_shared<pages::Options>();
   verb->add_option(
@@ -52,7 +52,7 @@ void add_report(CLI::App& app) {
   });
 }
 
-void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
+void add_reproduce_command(CLI::App& app, const std::vector<std::string>& argv) {
   CLI::App* verb =
       app.add_subcommand("reproduce", "Run a paper's experiments, and print measured and published values");
   const auto options = std::make_shared<reproduce::Options>();
@@ -78,7 +78,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   verb->callback([options] { reproduce::reproduce(*options); });
 }
 
-void add_optimise(CLI::App& app, int& exit) {
+void add_optimise_command(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("optimise", "Multi-objective design-space search");
   verb->alias("optimize");
   const auto options = std::make_shared<optimise::Options>();
@@ -123,7 +123,7 @@ void add_optimise(CLI::App& app, int& exit) {
   });
 }
 
-void add_worth(CLI::App& app, int& exit) {
+void add_worth_command(CLI::App& app, int& exit) {
   CLI::App* verb =
       app.add_subcommand("worth", "Measure what a feature is worth: the smallest machine without and with it");
   const auto options = std::make_shared<worth::Options>();
@@ -170,7 +170,7 @@ void run_bench(const BenchOptions& options, bool json) {
 
 }  // namespace
 
-void add_bench(CLI::App& app) {
+void add_bench_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure the speed of the simulator: rendering, timing, whole runs, replays and sampled tiles");
   const auto options = std::make_shared<BenchOptions>();
@@ -247,7 +247,7 @@ void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
 
 }  // namespace
 
-void add_microbench(CLI::App& app, int& exit) {
+void add_microbench_command(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("microbench", "Measure parts of the machine and compare them with closed forms");
   verb->require_subcommand(1);
   verb->footer(
@@ -346,7 +346,7 @@ void run_comparison(const CompareOptions& options) {
 
 }  // namespace
 
-void add_compare(CLI::App& app) {
+void add_compare_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "compare", "Compare runs: print changes of cycles, energy and pictures, and the counters that explain them");
   const auto options = std::make_shared<CompareOptions>();
@@ -397,7 +397,7 @@ CLI::App* add_baseline_verb(CLI::App& verb, const char* name, const char* what,
 
 }  // namespace
 
-void add_baseline(CLI::App& app, int& exit) {
+void add_baseline_command(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("baseline", "Store the results of small runs, and detect changes");
   verb->require_subcommand(1);
   const auto options = std::make_shared<BaselineOptions>();
@@ -468,7 +468,7 @@ Json bottleneck_json(const Bottleneck& b) {
 
 }  // namespace
 
-void add_bottleneck(CLI::App& app) {
+void add_bottleneck_command(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bottleneck", "Measure the speed-up of a frame by each ideal resource, and print what limits the frame");
   const auto options = std::make_shared<JobOptions>();

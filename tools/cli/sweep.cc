@@ -266,7 +266,7 @@ void add_best(CLI::App& group) {
 
 }  // namespace
 
-void add_sweep(CLI::App& app, int& exit) {
+void add_sweep_command(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand(
       "sweep", "Simulate the points of a design space and evaluate the results; stored results are reused");
   verb->require_subcommand(1);

@@ -12,9 +12,9 @@ constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = "
 
 }  // namespace
 
-double side_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
-  if (block == kPeriod) return run.period_energy_pj(side);
-  return block.empty() ? run.total(side) : run.block_energy_pj(block, side);
+double band_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember member) {
+  if (block == kPeriod) return run.period_energy_pj(member);
+  return block.empty() ? run.total(member) : run.block_energy_pj(block, member);
 }
 
 std::optional<EnergyMetric> energy_metric(std::string_view path) {
@@ -32,7 +32,7 @@ std::optional<EnergyMetric> energy_metric(std::string_view path) {
 }
 
 double nominal_energy_pj(const PricedRun& run, const std::string& block) {
-  return side_energy_pj(run, block, &sim::Band::nominal);
+  return band_energy_pj(run, block, &sim::Band::nominal);
 }
 
 std::vector<double> energy_by_draw_pj(PricedRun& run, const std::string& block, std::uint64_t draws,
@@ -61,7 +61,7 @@ Interval95 interval_of(std::vector<double> samples) {
 EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block) {
   EnergyRatio out;
   for (const sim::BandMember side : sim::kBandMembers)
-    out.together.*side = side_energy_pj(b, block, side) / side_energy_pj(a, block, side);
+    out.together.*side = band_energy_pj(b, block, side) / band_energy_pj(a, block, side);
   const std::vector<double> of_a = energy_by_draw_pj(a, block), of_b = energy_by_draw_pj(b, block);
   std::vector<double> ratios;
   std::size_t less = 0;

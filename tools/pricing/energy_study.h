@@ -64,7 +64,7 @@ std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs);
 /// Sets one energy table entry of a run to a quantile of its band and all other entries to nominal.
 void set_single_entry(PricedRun& run, const std::string& entry, double quantile);
 /// Returns the energy in pJ of a block under the low or high energy tables; an empty name means all blocks.
-double side_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember side);
+double band_energy_pj(const PricedRun& run, const std::string& block, sim::BandMember member);
 /// Returns the energy in pJ of a block under the current nominal figures; an empty name means all blocks.
 double nominal_energy_pj(const PricedRun& run, const std::string& block);
 

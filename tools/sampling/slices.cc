@@ -401,8 +401,8 @@ void SlicedFrame::add(const SlicedFrame& other) {
   tiles += other.tiles;
   again += other.again;
   warmed += other.warmed;
-  cycles.add(other.cycles);
-  energy_pj.add(other.energy_pj);
+  cycles.add_estimate(other.cycles);
+  energy_pj.add_estimate(other.energy_pj);
   for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += other.seconds[i];
   timing_seconds += other.timing_seconds;
 }

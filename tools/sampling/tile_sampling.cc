@@ -495,7 +495,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
   return s;
 }
 
-void Interval::add(const Interval& other) {
+void Interval::add_estimate(const Interval& other) {
   estimate += other.estimate;
   random = std::hypot(random, other.random);
   systematic += other.systematic;
@@ -508,9 +508,9 @@ void SampledFrame::add(const SampledFrame& other) {
   warmed += other.warmed;
   blocks += other.blocks;
   rounds += other.rounds;
-  cycles.add(other.cycles);
-  energy_pj.add(other.energy_pj);
-  for (const auto& [path, interval] : other.counters) counters[path].add(interval);
+  cycles.add_estimate(other.cycles);
+  energy_pj.add_estimate(other.energy_pj);
+  for (const auto& [path, interval] : other.counters) counters[path].add_estimate(interval);
   pilot_seconds += other.pilot_seconds;
   warming_seconds += other.warming_seconds;
 }

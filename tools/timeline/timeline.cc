@@ -408,8 +408,8 @@ TimelineJob::TimelineJob(std::string text) : asked_(std::move(text)) {
 void TimelineJob::check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const {
   if (!selection_ || !selection_->needs_tile_positions()) return;
   const bool is_tile = selection_->kind == TimelineSelection::Kind::kTile;
-  kernels::TileCounts counts{inputs.config.render.width, inputs.config.render.height};
-  if (is_tile) counts = tile_counts(inputs, program);
+  kernels::TileGridSize counts{inputs.config.render.width, inputs.config.render.height};
+  if (is_tile) counts = tile_grid_size(inputs, program);
   if (selection_->x < counts.columns && selection_->y < counts.rows) return;
   const char* const what = is_tile ? "tile" : "pixel";
   throw sim::InputError(fmt::format(

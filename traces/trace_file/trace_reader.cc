@@ -132,7 +132,7 @@ void TraceReader::read_table_of_contents() {
 TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return add_file_name_to_errors([&]() -> TileScope {
-    Links links = decode_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts, tree.slots);
+    Links links = decode_child_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts, tree.slots);
     if (tree.leaf_records) {
       links.begins_record = decode_records(read_block(*tree.leaf_records, kMaxTreeBytes), tree.counts.triangles);
     }

@@ -147,7 +147,7 @@ Links links_of(const MemoryImage& image) {
   return links;
 }
 
-std::string encode_links(const Links& links) {
+std::string encode_child_links(const Links& links) {
   std::string out;
   ByteWriter to(out);
   LeafEnds ends;
@@ -185,7 +185,7 @@ std::vector<bool> decode_records(std::string_view bytes, std::uint64_t triangles
   return begins;
 }
 
-Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts, std::uint32_t slots) {
+Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts, std::uint32_t slots) {
   // Each child and each instance takes at least one byte.
   const std::uint64_t per_node = slots == 0 ? 2 : slots;
   if (nodes == 0 || nodes > kMaxNodes || per_node * nodes > bytes.size())

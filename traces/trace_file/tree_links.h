@@ -39,7 +39,7 @@ inline constexpr std::uint32_t kMaxTreeDepth = 128;
 Links links_of(const MemoryImage& image);
 
 /// Encodes the nodes and instances of a tree.
-std::string encode_links(const Links& links);
+std::string encode_child_links(const Links& links);
 /// Encodes where leaf records begin: one bit per triangle, lowest first.
 std::string encode_records(const std::vector<bool>& begins_record);
 /// Throws InputError unless `bytes` has one bit per triangle.
@@ -54,6 +54,7 @@ std::vector<bool> decode_records(std::string_view bytes, std::uint64_t triangles
 /// 4. Every node but a root has two children or more.
 ///
 /// `slots`: number of slots of each node of a wide tree, or 0 for a binary tree.
-Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts, std::uint32_t slots = 0);
+Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts,
+                         std::uint32_t slots = 0);
 
 }  // namespace traces

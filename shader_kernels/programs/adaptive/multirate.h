@@ -18,7 +18,7 @@ class MultirateProgram final : public FrameProgram {
                    std::uint32_t frame);
 
   std::uint32_t tiles() const override { return blocks_.tiles.tile_count(); }
-  TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
+  TileGridSize tile_grid_size() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
   FrameRequirements requirements() const override { return blocks_.requirements(); }
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void commit_tile(const TileResult& tile) override;

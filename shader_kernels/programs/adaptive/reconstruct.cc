@@ -165,7 +165,7 @@ void ReconstructProgram::trace_shaded_samples(Tile& tile, const PixelRect& part,
   retained.cleared = generated;
   retained.cleared_secondary = cleared;
   wave.run(generated, part.pixel_count(), retained);
-  if (has_geometry()) limit_colours(tile, part);
+  if (has_geometry()) clamp_colour_layers(tile, part);
 }
 
 void ReconstructProgram::trace_unshaded_samples(Tile& tile, const PixelRect& part, Node cleared) const {
@@ -186,7 +186,7 @@ void ReconstructProgram::trace_unshaded_samples(Tile& tile, const PixelRect& par
   wave.run(generated, items, retained);
 }
 
-void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const {
+void ReconstructProgram::clamp_colour_layers(Tile& tile, const PixelRect& part) const {
   const auto launch = [&]<std::uint32_t kBranches> {
     typename LimitColours<kBranches>::template Ports<float> ports;
     ports.lattice = tiles_.rect_sample_lattice(part.x, part.y, part.across);
@@ -404,7 +404,7 @@ SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel)
   const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
     const std::uint32_t first = layer_number * records_per_layer();
     const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * position_count() + centre];
-    if (!has_branch<float>(own)) return;
+    if (!has_path_branch<float>(own)) return;
     const Similarity<float> similar(own, tile.buffer.filters.visible[first + shaded], bend_);
     edges |= (similar.depth > kHalved ? bits.depth : 0) | (similar.normal > kHalved ? bits.normal : 0) |
              (similar.same_shadows ? 0 : bits.shadow);

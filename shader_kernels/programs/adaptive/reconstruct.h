@@ -40,7 +40,7 @@ class ReconstructProgram final : public FrameProgram {
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.tile_count(); }
-  TileCounts tile_counts() const override {
+  TileGridSize tile_grid_size() const override {
     return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
   }
   FrameRequirements requirements() const override;
@@ -96,7 +96,7 @@ class ReconstructProgram final : public FrameProgram {
   void assign_samples_to_pixels(Tile& tile, std::uint32_t rays) const;
   void trace_shaded_samples(Tile& tile, const PixelRect& part, Node cleared) const;
   void trace_unshaded_samples(Tile& tile, const PixelRect& part, Node cleared) const;
-  void limit_colours(Tile& tile, const PixelRect& part) const;
+  void clamp_colour_layers(Tile& tile, const PixelRect& part) const;
   void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   void spill_attributes_to_dram(Tile& tile) const;

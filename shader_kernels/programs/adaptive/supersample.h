@@ -86,7 +86,7 @@ class SupersampleProgram final : public FrameProgram {
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.tile_count() * (1 + supersample_.propagate); }
-  TileCounts tile_counts() const override {
+  TileGridSize tile_grid_size() const override {
     return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
   }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;

@@ -94,7 +94,7 @@ class UndersampleProgram final : public FrameProgram {
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override;
-  TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
+  TileGridSize tile_grid_size() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;

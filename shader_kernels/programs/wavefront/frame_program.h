@@ -13,7 +13,7 @@ namespace kernels {
 using traces::FrameRequirements;
 
 /// Number of tiles of a picture, across and down.
-struct TileCounts {
+struct TileGridSize {
   std::uint32_t columns = 0, rows = 0;
 };
 
@@ -34,7 +34,7 @@ class FrameProgram {
   virtual std::uint32_t tiles() const = 0;
   /// Returns the number of tiles of the picture, across and down. Returns 0 if the program's entries are not tiles of
   /// one grid.
-  virtual TileCounts tile_counts() const { return {}; }
+  virtual TileGridSize tile_grid_size() const { return {}; }
   /// Returns the index after the last entry of the rendering pass that contains entry `tile_index`.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;

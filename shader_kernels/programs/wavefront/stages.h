@@ -153,7 +153,7 @@ struct KernelOf {
   using Type = Part;
 };
 template <class K>
-struct KernelOf<ImmediateLit<K>> {
+struct KernelOf<LightImmediately<K>> {
   using Type = K;
 };
 

@@ -64,7 +64,7 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
       EXPECT_EQ(raised[i], (of >> i & 1) != 0 ? std::max(a[i], most) : a[i]);
     }
     EXPECT_EQ(a.min_of(of), expected.least(of, [&](std::uint32_t i) { return a[i]; }));
-    EXPECT_EQ(a.min_of_max(b, of), expected.least(of, larger));
+    EXPECT_EQ(a.min_of_maxima_with(b, of), expected.least(of, larger));
     std::uint64_t any = 0;
     for (std::uint32_t bank = 0; bank < banks; ++bank) any |= (of >> bank & 1) != 0 ? a[bank] : 0;
     EXPECT_EQ(a.bitwise_or_of(of), any);

@@ -42,7 +42,7 @@ TEST(TimingWheel, EachSlotCompletesALatencyLaterInItsPipe) {
       sim::Time next = sim::kNever;
       for (const Inside& one : inside) next = std::min(next, one.at * clock.period());
       ASSERT_EQ(wheel.next_completion(cycle), next) << number;
-      ASSERT_EQ(wheel.completes_in(number + 1) != 0, next == cycle.next) << number;
+      ASSERT_EQ(wheel.completion_bit_at(number + 1) != 0, next == cycle.next) << number;
     }
   }
 }

@@ -32,7 +32,7 @@ struct Chip {
   std::string process;
   BundleTable energy, area;
   static void describe(auto& c, auto&& field) {
-    field.bundle(NAMED(c.process), "of the chip", {"energy", "area"}, Affects::kEnergy);
+    field.bundle_choice(NAMED(c.process), "of the chip", {"energy", "area"}, Affects::kEnergy);
     field.group(NAMED(c.energy), "energy");
     field.group(NAMED(c.area), "area");
   }

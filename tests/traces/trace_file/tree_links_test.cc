@@ -21,18 +21,18 @@ TEST(TreeLinks, AreRestoredAndMustBeATree) {
   const Links links = links_of(image);
   const auto within = [](std::uint64_t triangles) { return ImageCounts{.triangles = triangles, .textures = {}}; };
   const std::uint64_t triangles = image.triangles.size();
-  const std::string bytes = encode_links(links);
-  EXPECT_EQ(decode_links(bytes, links.nodes.size(), within(triangles)), links);
+  const std::string bytes = encode_child_links(links);
+  EXPECT_EQ(decode_child_links(bytes, links.nodes.size(), within(triangles)), links);
   EXPECT_LT(bytes.size(), 4 * links.nodes.size());
   const Links one = links_of(build_memory_image(one_triangle(), {}, 1));
-  EXPECT_EQ(decode_links(encode_links(one), 1, within(1)), one) << "a root with one child";
+  EXPECT_EQ(decode_child_links(encode_child_links(one), 1, within(1)), one) << "a root with one child";
 
-  EXPECT_THROW(decode_links(bytes, links.nodes.size(), within(triangles - 1)), sim::InputError);
-  EXPECT_THROW(decode_links(bytes, links.nodes.size() - 1, within(triangles)), sim::InputError);
-  EXPECT_THROW(decode_links(bytes, links.nodes.size() + 1, within(triangles)), sim::InputError);
+  EXPECT_THROW(decode_child_links(bytes, links.nodes.size(), within(triangles - 1)), sim::InputError);
+  EXPECT_THROW(decode_child_links(bytes, links.nodes.size() - 1, within(triangles)), sim::InputError);
+  EXPECT_THROW(decode_child_links(bytes, links.nodes.size() + 1, within(triangles)), sim::InputError);
   const std::uint32_t leaf = leaf_link(0, 1);
   const auto refused = [&](const decltype(Links::nodes)& bad) {
-    EXPECT_THROW(decode_links(encode_links({bad, {}}), bad.size(), within(1)), sim::InputError);
+    EXPECT_THROW(decode_child_links(encode_child_links({bad, {}}), bad.size(), within(1)), sim::InputError);
   };
   refused({{1, 1}, {leaf, leaf}});                   // two parents
   refused({{1, leaf}, {leaf, leaf}, {leaf, leaf}});  // no parent
@@ -44,20 +44,20 @@ TEST(TreeLinks, AreRestoredAndMustBeATree) {
   refused(deep);
   deep.erase(deep.begin() + 1);
   for (std::size_t node = 0; node + 1 < deep.size(); ++node) deep[node][0] = static_cast<std::uint32_t>(node) + 1;
-  EXPECT_EQ(decode_links(encode_links({deep, {}}), deep.size(), within(1)).nodes, deep);
+  EXPECT_EQ(decode_child_links(encode_child_links({deep, {}}), deep.size(), within(1)).nodes, deep);
 }
 
 TEST(TreeLinks, OfTwoLevelsAreRestoredAndMustHaveTreesOfInstancesAndTriangles) {
   for (const Scene& scene : {scattered(80), scattered(1), Scene{}}) {
     const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}, 1);
     const Links links = links_of(image);
-    EXPECT_EQ(decode_links(encode_links(links), links.nodes.size(), counts_of(image)), links);
+    EXPECT_EQ(decode_child_links(encode_child_links(links), links.nodes.size(), counts_of(image)), links);
   }
   const auto says = [](auto&& change) {
     TileScope scope = tiny_levels();
     change(scope);
     try {
-      decode_links(encode_links(scope.links), scope.links.nodes.size(), scope.counts);
+      decode_child_links(encode_child_links(scope.links), scope.links.nodes.size(), scope.counts);
     } catch (const sim::InputError& error) {
       return std::string(error.what());
     }
@@ -115,7 +115,7 @@ bool is_sound(const TileScope& scope) {
 
 TEST(TreeLinks, AnyBytesGiveATreeOrAnError) {
   const TileScope scope = tiny_levels();
-  const std::string good = encode_links(scope.links);
+  const std::string good = encode_child_links(scope.links);
   std::size_t accepted = 0;
   Dice dice(8);
   for (int n = 0; n < 20000; ++n) {
@@ -124,9 +124,9 @@ TEST(TreeLinks, AnyBytesGiveATreeOrAnError) {
       bad[dice.below(static_cast<std::uint32_t>(bad.size()))] = static_cast<char>(dice.below(64));
     }
     try {
-      const Links links = decode_links(bad, scope.links.nodes.size(), scope.counts);
+      const Links links = decode_child_links(bad, scope.links.nodes.size(), scope.counts);
       ++accepted;
-      EXPECT_EQ(decode_links(encode_links(links), links.nodes.size(), scope.counts), links);
+      EXPECT_EQ(decode_child_links(encode_child_links(links), links.nodes.size(), scope.counts), links);
       EXPECT_TRUE(is_sound({links, scope.counts, 1, {}}));
     } catch (const sim::InputError&) {
     }

@@ -186,9 +186,9 @@ MachineConfig& MachineConfig::operator=(const MachineConfig& other) {
 MachineConfig::~MachineConfig() = default;
 
 void RunConfig::describe(auto& c, auto&& field) {
-  field.bundle(NAMED(c.process),
-               "process of the chip: selects the tables of energy, area, voltage and latency together",
-               {"energy", "area", "power", "latency"}, sim::Affects::kEnergy);
+  field.bundle_choice(NAMED(c.process),
+                      "process of the chip: selects the tables of energy, area, voltage and latency together",
+                      {"energy", "area", "power", "latency"}, sim::Affects::kEnergy);
   hw::GpuConfig::describe(*c.gpu, field);
   field.group(NAMED(c.render), "what is rendered, and how finely");
   kernels::ProgramConfig::describe(c.programs, field);

@@ -183,8 +183,8 @@ bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
   return true;
 }
 
-kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program) {
-  return PreparedProgram(inputs, program, {}).frame->tile_counts();
+kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::ProgramSpec& program) {
+  return PreparedProgram(inputs, program, {}).frame->tile_grid_size();
 }
 
 std::uint64_t FrameResult::rays() const { return rendered.all_rays(); }

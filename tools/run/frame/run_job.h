@@ -78,7 +78,7 @@ struct Interval {
   double systematic = 0;  ///< half-width of the systematic error of the method
   double half_width() const { return std::hypot(random, systematic); }
   /// Adds the interval of another estimate: random errors add in quadrature, systematic errors linearly.
-  void add(const Interval& other);
+  void add_estimate(const Interval& other);
 };
 
 /// Statistics and estimates of one or several frames simulated with tile sampling (tile_sampling.h).
@@ -138,7 +138,7 @@ struct FrameResult {
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
 
 /// Returns the number of tiles per row and column of the current frame.
-kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
+kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::ProgramSpec& program);
 
 /// Options of simulate_frame() and render_frame(): observers, recorded data and start state.
 struct SimulateOptions {

@@ -91,7 +91,7 @@ std::string findings_json(std::string_view benchmark, const Findings& findings) 
 
 BenchmarkOption json_option() { return {"--json", "print JSON", &BenchmarkJob::json}; }
 
-RunConfig machine_without_ideals(const JobOptions& job) {
+RunConfig non_ideal_machine(const JobOptions& job) {
   RunConfig config = load_run_config(job);
   config.gpu->ideal = {};
   return config;

@@ -99,7 +99,7 @@ struct Benchmark {
 BenchmarkOption json_option();
 
 /// Returns the configuration of the machine with all `ideal` settings switched off.
-RunConfig machine_without_ideals(const JobOptions& job);
+RunConfig non_ideal_machine(const JobOptions& job);
 /// Returns one copy of the job for each DRAM grade in configs/dram. Throws InputError if the job sets the grade.
 std::vector<JobOptions> jobs_with_all_dram_grades(const JobOptions& job);
 

@@ -327,7 +327,7 @@ Benchmark chase_benchmark() {
           "\n"
           "Example: raywatt microbench chase --set clocks.l2='800 MHz' --set interconnect.latency=8",
           {json_option()},
-          [](const BenchmarkJob& job) { return Chase(*machine_without_ideals(job.machine).gpu).measure_levels(); }};
+          [](const BenchmarkJob& job) { return Chase(*non_ideal_machine(job.machine).gpu).measure_levels(); }};
 }
 
 namespace {
@@ -378,9 +378,9 @@ Measurement measure_machine(const hw::GpuConfig& config, bool random) {
 
 Findings measure_bandwidth(const JobOptions& job, bool all_grades) {
   std::vector<hw::GpuConfig> machines;
-  if (!all_grades) machines.push_back(*machine_without_ideals(job).gpu);
+  if (!all_grades) machines.push_back(*non_ideal_machine(job).gpu);
   for (const JobOptions& of_grade : all_grades ? jobs_with_all_dram_grades(job) : std::vector<JobOptions>{}) {
-    machines.push_back(*machine_without_ideals(of_grade).gpu);
+    machines.push_back(*non_ideal_machine(of_grade).gpu);
   }
   Findings found{"lines read through the L2", {}};
   for (const hw::GpuConfig& config : machines) {
@@ -462,7 +462,7 @@ Benchmark mshr_benchmark() {
           "\n"
           "Example: raywatt microbench mshr --set l2.hit_cycles=40",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure_misses(*machine_without_ideals(job.machine).gpu); }};
+          [](const BenchmarkJob& job) { return measure_misses(*non_ideal_machine(job.machine).gpu); }};
 }
 
 }  // namespace tools

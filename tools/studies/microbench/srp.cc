@@ -77,16 +77,15 @@ Findings measure_intervals(const hw::SrpConfig& srp, const std::vector<std::stri
 }  // namespace
 
 Benchmark kernels_benchmark() {
-  return {"kernels",
-          "Initiation interval of kernels on arrays of several sizes, and its bounds by units and recurrences",
-          "Arrays of 2x2 to 8x8 units with the configured shares of multipliers and dividers and the configured ports\n"
-          "to memory. More units than the ports can feed bring no gain.\n"
-          "\n"
-          "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8",
-          {json_option(), {"--kernel", "only this kernel (repeatable)", &BenchmarkJob::kernels}},
-          [](const BenchmarkJob& job) {
-            return measure_intervals(machine_without_ideals(job.machine).gpu->srp, job.kernels);
-          }};
+  return {
+      "kernels",
+      "Initiation interval of kernels on arrays of several sizes, and its bounds by units and recurrences",
+      "Arrays of 2x2 to 8x8 units with the configured shares of multipliers and dividers and the configured ports\n"
+      "to memory. More units than the ports can feed bring no gain.\n"
+      "\n"
+      "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8",
+      {json_option(), {"--kernel", "only this kernel (repeatable)", &BenchmarkJob::kernels}},
+      [](const BenchmarkJob& job) { return measure_intervals(non_ideal_machine(job.machine).gpu->srp, job.kernels); }};
 }
 
 namespace {
@@ -206,7 +205,7 @@ Benchmark tile_buffer_benchmark() {
       "\n"
       "Example: raywatt microbench tile_buffer --set srp.array.local_ports=8",
       {json_option()},
-      [](const BenchmarkJob& job) { return measure_conflicts(machine_without_ideals(job.machine).gpu->srp); }};
+      [](const BenchmarkJob& job) { return measure_conflicts(non_ideal_machine(job.machine).gpu->srp); }};
 }
 
 }  // namespace tools

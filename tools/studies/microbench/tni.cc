@@ -208,7 +208,7 @@ Benchmark rays_benchmark() {
           "\n"
           "Example: raywatt microbench rays --set tni.trv.rays=16",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure_rays(machine_without_ideals(job.machine)); }};
+          [](const BenchmarkJob& job) { return measure_rays(non_ideal_machine(job.machine)); }};
 }
 
 namespace {
@@ -410,7 +410,7 @@ Benchmark early_exit_benchmark() {
         job.scene = benchmark.scene;
         job.resolution = benchmark.resolution;
         Findings found{"intersection unit", {}};
-        add_exit_measurements(machine_without_ideals(job), found);
+        add_exit_measurements(non_ideal_machine(job), found);
         add_scene_measurements(job, found);
         return found;
       }};

@@ -360,7 +360,7 @@ Value sum_of(Value a, Value b) {
   return *a + *b;
 }
 
-Value kernel_group_share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
+Value kernel_group_share(const Comparison& c, KernelGroup group) { return kernel_busy_share(c.run.simulation, group); }
 
 template <Mask kMask>
 Value masked_psnr(const Comparison& c) {

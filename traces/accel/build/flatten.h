@@ -24,9 +24,9 @@ struct ShadingRecords {
   std::vector<VertexRecord> vertices;  ///< empty if no material needs vertex records
 };
 
-/// Returns the object id that hits on instance `i` have.
-inline std::uint32_t object_id_of(const Instance& instance, std::uint32_t i) {
-  return i | (instance.focus ? kFocusObject : 0);
+/// Returns the object id that hits on the instance with index `instance_index` have.
+inline std::uint32_t object_id_of(const Instance& instance, std::uint32_t instance_index) {
+  return instance_index | (instance.focus ? kFocusObject : 0);
 }
 
 /// Returns the meshes of all instances with their matrices to world space. Throws InputError for invalid references.

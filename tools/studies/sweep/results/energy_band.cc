@@ -136,8 +136,8 @@ BandedMetric EnergyBand::price_metric(const Results& results, const Column& colu
     }
     const double nominal = nominal_energy_pj(*runs_[i], joules->block);
     const auto figure = [&](double pj) { return number->value * (joules->inverse ? nominal / pj : pj / nominal); };
-    low[i] = figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::low));
-    high[i] = figure(side_energy_pj(*runs_[i], joules->block, &sim::Band::high));
+    low[i] = figure(band_energy_pj(*runs_[i], joules->block, &sim::Band::low));
+    high[i] = figure(band_energy_pj(*runs_[i], joules->block, &sim::Band::high));
     drawn[i] = energy_by_draw_pj(*runs_[i], joules->block);
     for (double& pj : drawn[i]) pj = figure(pj);
   }

@@ -207,7 +207,7 @@ RankedRows select_ranked(const Results& results, std::span<const Column* const> 
   return out;
 }
 
-RankedRows select_rows_of(const Results& results, const Column& column, const std::vector<bool>& points) {
+RankedRows rows_to_rank(const Results& results, const Column& column, const std::vector<bool>& points) {
   if (!column.fold || !results.machines().is_set()) return {false, points};
   return {true, results.machines().with_all_points(points)};
 }

@@ -73,7 +73,7 @@ struct RankedRows {
 RankedRows select_ranked(const Results& results, std::span<const Column* const> columns,
                          const std::vector<std::string>& where);
 /// Rows of points, or of machines if the column is a metric over a set of workloads.
-RankedRows select_rows_of(const Results& results, const Column& column, const std::vector<bool>& points);
+RankedRows rows_to_rank(const Results& results, const Column& column, const std::vector<bool>& points);
 
 /// Returns "done" for machines with a result on every workload, otherwise "1 of 3 done", by row.
 Column machine_status(const Results& results);

@@ -328,7 +328,7 @@ std::string tornado_tables(const Results& results, const std::vector<std::string
   for (const std::string& metric : metrics) {
     const Objective objective(results, metric);
     if (!energy_metric(report_path(objective.column))) continue;
-    const RankedRows ranked = select_rows_of(results, objective.column, selected);
+    const RankedRows ranked = rows_to_rank(results, objective.column, selected);
     const std::vector<std::size_t> rows = rows_with_numbers(objective.column, ranked, results);
     const FigureNoise noise(results, objective.column, rows);
     const BandedMetric priced = band.price_metric(results, noise.means(), objective.more_is_better, rows);
@@ -353,7 +353,7 @@ std::string Effect::interval_text() const { return fmt::format("{:.1f} .. {:.1f}
 
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& selected) {
   const Column column = results.column(metric);
-  const RankedRows ranked = select_rows_of(results, column, selected);
+  const RankedRows ranked = rows_to_rank(results, column, selected);
   const std::vector<std::size_t> rows = rows_with_numbers(column, ranked, results);
   const FigureNoise noise(results, column, rows);
   std::vector<double> values, variances;
