@@ -80,7 +80,6 @@ TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t e
     for (int c = 0; c < static_cast<int>(links.size()); ++c) {
       const std::uint32_t link = links[static_cast<std::size_t>(c)];
       if (link == kNoChild) continue;
-      if (link == kNoChild) continue;
       ++info.children;
       const double box = half_area(image, i, c, step);
       if (is_instance(link)) {
