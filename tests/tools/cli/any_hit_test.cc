@@ -13,8 +13,9 @@ TEST(AnyHit, FindsAsManyHitsInFewerSteps) {
   const TempFolder folder;
   const std::string rays = folder.write("a.rays", ray_list(2000)).string();
   const auto totals = [&](const Words& more) {
-    Words words = {"run",    "--rays", rays, "--scene", "chess", "--json", "-q", "-o", (folder.path() / "out").string(),
-                   "--force"};
+    Words words = {
+        "run",    "--rays", rays, "--scene", "chess", "--json", "--quiet", "-o", (folder.path() / "out").string(),
+        "--force"};
     words.insert(words.end(), more.begin(), more.end());
     const ProcessResult ending = raywatt(words);
     EXPECT_EQ(ending.exit, 0) << ending.err;

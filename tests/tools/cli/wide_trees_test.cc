@@ -63,7 +63,7 @@ TEST(WideTrees, AreRecordedAndRefusedByMachines) {
   for (const Words& form : kForms) {
     SCOPED_TRACE(text_of(form));
     const std::string trace = (folder.path() / "a.trace").string();
-    Words record = {"trace", "record", trace, "--resolution", "16x16", "--quiet", "--force"};
+    Words record = {"trace", "record", trace, "--resolution", "16x16", "--quiet"};
     record.insert(record.end(), form.begin(), form.end());
     const ProcessResult ending = raywatt(record);
     ASSERT_EQ(ending.exit, 0) << ending.err;
