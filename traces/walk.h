@@ -48,7 +48,7 @@ constexpr std::uint32_t node_of(std::uint32_t word) { return word & (kMaxNodes -
 constexpr std::uint32_t hits_of(std::uint32_t word) { return (word >> 27) & 3U; }
 constexpr std::uint32_t near_of(std::uint32_t word) { return (word >> 29) & 1U; }
 
-// Wide visits. A binary visit never has `near` without two hits, so the first word tells both kinds apart.
+// Wide visits. A binary visit never has `near` without two hits, so the first word distinguishes both kinds.
 inline constexpr std::uint32_t kMaxWidth = 8;
 inline constexpr std::uint32_t kSlotBits = 3;
 static_assert(kMaxWidth == 1U << kSlotBits && kMaxWidth + kMaxWidth * kSlotBits == 32);

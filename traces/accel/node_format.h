@@ -30,8 +30,8 @@ constexpr std::array<std::string_view, 5> names_of(NodeFormat) { return {"fp32",
 
 constexpr bool is_quantised(NodeFormat format) { return format >= NodeFormat::kQ8; }
 
-/// Returns the most records that a leaf may have: q8 has 3 bits for it, of which 0 is an inner child, q12 has 4 bits,
-/// and cw80 counts to 3 in unary.
+/// Returns the largest number of records of a leaf. q8 stores it in 3 bits, where 0 is an inner child, q12 in 4 bits;
+/// cw80 counts to 3 in unary.
 constexpr std::uint32_t most_leaf_records(NodeFormat format) {
   return format == NodeFormat::kQ8 ? 7 : format == NodeFormat::kCw80 ? 3 : kMaxLeafTriangles;
 }
