@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,11 @@ namespace traces {
 //
 //   visit  00 | near(1) | hits(2) | node(27)      an inner node is tested; bit 0 of `hits` is child 0, bit 1 child 1;
 //                                                  `near` is the child entered first when both are hit
+//   wide   00 | 1 | 00 | node(27)                  an inner node of a wide tree is tested, all children at once; the
+//                                                  next word is mask(8) | slots(8 x 3): bit i of `mask` is set if the
+//                                                  child in slot i is hit; the lowest three bits of `slots` are the
+//                                                  slot of the hit child that is entered, then of the next one, and so
+//                                                  on; slots beyond the hit children are 0
 //   leaf   01 | count(4) | first triangle(26)      a leaf is entered and `count` triangles are tested (a shadow ray
 //                                                  stops after a hit without flags, ray.h); the next word has the
 //                                                  exit phase of each test, 4 bits each, first test lowest
@@ -19,7 +25,9 @@ namespace traces {
 //   end    11 | hit(1)
 //
 // A leaf, or a visit without a hit, is followed by a pop or the end. A visit that hits both children pushes the far
-// one. An enter is followed by the visit of that root. Leaving an instance has no word: the ray returns to world space
+// one. A wide visit enters the first of the hit children and pushes the others, the last first. Trees of more than two
+// children per node, and of quantised boxes, have wide visits only; other trees have none. A cull counts children in
+// both. An enter is followed by the visit of that root. Leaving an instance has no word: the ray returns to world space
 // when an entry is popped that was on the stack before it entered.
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
@@ -39,6 +47,23 @@ constexpr std::uint32_t visit_step(std::uint32_t node, std::uint32_t hits, std::
 constexpr std::uint32_t node_of(std::uint32_t word) { return word & (kMaxNodes - 1); }
 constexpr std::uint32_t hits_of(std::uint32_t word) { return (word >> 27) & 3U; }
 constexpr std::uint32_t near_of(std::uint32_t word) { return (word >> 29) & 1U; }
+
+// Wide visits. A binary visit never has `near` without two hits, so the first word distinguishes both kinds.
+inline constexpr std::uint32_t kMaxWidth = 8;
+inline constexpr std::uint32_t kSlotBits = 3;
+static_assert(kMaxWidth == 1U << kSlotBits && kMaxWidth + kMaxWidth * kSlotBits == 32);
+constexpr std::uint32_t wide_step(std::uint32_t node) { return visit_step(node, 0, 1); }
+constexpr bool is_wide(std::uint32_t word) { return word >> 27 == 4; }
+/// Returns the word after wide_step(): which children are hit, and their slots, the nearest in the lowest bits.
+constexpr std::uint32_t wide_hits(std::uint32_t mask, std::uint32_t slots) { return mask << (32 - kMaxWidth) | slots; }
+constexpr std::uint32_t hit_mask_of(std::uint32_t hits) { return hits >> (32 - kMaxWidth); }
+constexpr std::uint32_t hit_count_of(std::uint32_t hits) {
+  return static_cast<std::uint32_t>(std::popcount(hit_mask_of(hits)));
+}
+/// Returns the slot of the hit child at a position, 0 for the nearest.
+constexpr std::uint32_t hit_slot_of(std::uint32_t hits, std::uint32_t position) {
+  return hits >> (kSlotBits * position) & (kMaxWidth - 1);
+}
 
 constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) {
   return (1U << 30) | (count << 26) | first;
@@ -76,6 +101,7 @@ inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (kind_of(words[i]) == StepKind::kVisit) {
       steps.visits += 1;
+      if (is_wide(words[i])) ++i;  // skips the word of hits
     } else if (is_enter(words[i])) {
       steps.enters += 1;
     } else if (kind_of(words[i]) == StepKind::kLeaf) {

@@ -10,9 +10,15 @@
 
 namespace hw {
 
-CoreRays::CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
-                   std::uint32_t cores, Finished finished)
-    : rays_(rays), tracer_(tracer), core_(core), cores_(cores), finished_(std::move(finished)), hit_(kBlock) {
+CoreRays::CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer,
+                   std::uint32_t core, std::uint32_t cores, Finished finished)
+    : rays_(rays),
+      kind_(kind),
+      tracer_(tracer),
+      core_(core),
+      cores_(cores),
+      finished_(std::move(finished)),
+      hit_(kBlock) {
   for (std::uint32_t block = 0; !rays_of_block(block).empty(); ++block) {
     count_ += static_cast<std::uint32_t>(rays_of_block(block).size());
   }
@@ -33,7 +39,7 @@ void CoreRays::trace_next_block() {
   block.begin.clear();
   block.left = static_cast<std::uint32_t>(rays.size());
   traces::WalkSink sink{block.words, block.begin};
-  tracer_.trace(rays, traces::RayKind::kPrimary, std::span(hit_).first(rays.size()), &sink);
+  tracer_.trace(rays, kind_, std::span(hit_).first(rays.size()), &sink);
   hits_ += static_cast<std::uint64_t>(
       std::count_if(hit_.begin(), hit_.begin() + block.left, [](const traces::Hit& hit) { return hit.is_hit(); }));
   steps_ += traces::count_steps(block.words).total_steps();
@@ -57,26 +63,27 @@ void CoreRays::record_return_time(std::uint32_t ray, sim::Time now) {
 }
 
 RayMachine::RayMachine(const GpuConfig& config, const traces::MemoryImage& image,
-                       std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays, Watch watch)
+                       std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays, traces::RayKind kind,
+                       Watch watch)
     : config_(config),
       clock_(config.clocks.tni.clock()),
       tracer_(image),
       watch_(std::move(watch)),
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kNo) {
-  for (std::uint32_t core = 0; core < config.cores; ++core) add_core(core, image, parents, rays);
+  for (std::uint32_t core = 0; core < config.cores; ++core) add_core(core, image, parents, rays, kind);
   memory_.build_banks_and_channels();
 }
 
 void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
-                          std::span<const traces::Ray> rays) {
+                          std::span<const traces::Ray> rays, traces::RayKind kind) {
   const auto finished = [this](std::uint32_t back, sim::Time now) {
     done_.blocks += 1;
     done_.rays += back;
     done_.cycles = clock_.cycles(now);
     return watch_(done_);
   };
-  Core& core = cores_.emplace_back(Core{CoreRays(rays, tracer_, c, config_.cores, finished)});
+  Core& core = cores_.emplace_back(Core{CoreRays(rays, kind, tracer_, c, config_.cores, finished)});
   const sim::UnitId source = machine_.unit({unit_name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);

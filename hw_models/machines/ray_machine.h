@@ -79,7 +79,7 @@ class CoreRays {
   /// starts no further block.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
-  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
+  CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer, std::uint32_t core,
            std::uint32_t core_count, Finished finished);
 
   std::uint32_t ray_count() const { return count_; }
@@ -97,6 +97,7 @@ class CoreRays {
   void trace_next_block();
 
   const std::span<const traces::Ray> rays_;
+  const traces::RayKind kind_;
   const traces::Tracer& tracer_;
   const std::uint32_t core_, cores_;
   const Finished finished_;
@@ -123,9 +124,10 @@ class RayMachine {
   /// finished.
   using Watch = std::function<bool(const RayProgress& so_far)>;
 
-  /// `parents`: parent node of each node of the image's BVH. All arguments must outlive the machine.
+  /// `parents`: parent node of each node of the image's BVH. `kind`: shadow rays end at their first hit. All arguments
+  /// must outlive the machine.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
-             std::span<const traces::Ray> rays, Watch watch);
+             std::span<const traces::Ray> rays, traces::RayKind kind, Watch watch);
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
@@ -150,7 +152,7 @@ class RayMachine {
     RaySource<CoreRays>* source = nullptr;
   };
   void add_core(std::uint32_t core, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
-                std::span<const traces::Ray> rays);
+                std::span<const traces::Ray> rays, traces::RayKind kind);
 
   const GpuConfig config_;
   const sim::Clock clock_;

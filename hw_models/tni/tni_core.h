@@ -8,6 +8,7 @@
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
+#include "sim/error.h"
 #include "sim/machine.h"
 #include "traces/accel/memory_image.h"
 
@@ -71,8 +72,14 @@ class TniCore {
 };
 
 /// Returns the addresses of the BVH and triangles in memory, and the links between nodes, for T&I units. `parents`:
-/// result of traces::parent_indices(). Both arguments must outlive the result.
+/// result of traces::parent_indices(). Both arguments must outlive the result. Throws InputError for trees that T&I
+/// units cannot traverse.
 inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
+  if (image.is_wide() || image.leaf_format != traces::LeafFormat::kTriangles) {
+    throw sim::InputError(
+        "bvh: T&I units traverse binary nodes and leaves of single triangles only; allowed in a simulation: "
+        "bvh.width=2, bvh.format=fp32 or hybrid, bvh.leaf=triangles");
+  }
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,
            .node_bytes = layout.node_bytes,

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/dram/dram_measurements.h"
@@ -12,6 +14,9 @@
 #include "sim/hash.h"
 #include "sim/link.h"
 #include "tests/hw_models/tni/harness.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/scenes/library.h"
 #include "traces/walk.h"
 
 namespace {
@@ -101,6 +106,47 @@ void dram_play(benchmark::State& state, const char* grade) {
 }
 BENCHMARK_CAPTURE(dram_play, lpddr4, "lpddr4-3200")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
 BENCHMARK_CAPTURE(dram_play, lpddr5, "lpddr5-6400")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
+
+/// Measures host time of nearest-hit rays through the built-in conference room. Arguments: width, and number of the
+/// node format in traces::NodeFormat.
+void functional_ray(benchmark::State& state) {
+  static const traces::Scene scene = traces::open_scene("conference");
+  const traces::MemoryImage image =
+      traces::build_memory_image(scene, {.leaf_size = 3,
+                                         .width = static_cast<std::uint32_t>(state.range(0)),
+                                         .format = static_cast<traces::NodeFormat>(state.range(1))});
+  std::vector<traces::Ray> rays(4096);
+  const auto point = [&](std::uint64_t seed) {
+    glm::vec3 p;
+    for (int a = 0; a < 3; ++a) {
+      p[a] = glm::mix(image.lower[a], image.upper[a],
+                      sim::hash_to_unit_float(sim::hash(seed, static_cast<std::uint64_t>(a))));
+    }
+    return p;
+  };
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    rays[i].origin = point(2 * i);
+    rays[i].direction = glm::normalize(point(2 * i + 1) - rays[i].origin);
+  }
+  std::vector<traces::Hit> hits(rays.size());
+  std::vector<std::uint32_t> words, begin;
+  const traces::BvhTracer tracer(image);
+  for (auto _ : state) {
+    words.clear();
+    begin.clear();
+    traces::WalkSink sink{words, begin};
+    tracer.trace(rays, traces::RayKind::kPrimary, hits, &sink);
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));
+}
+BENCHMARK(functional_ray)
+    ->Args({2, 0})
+    ->Args({4, 0})
+    ->Args({6, 0})
+    ->Args({8, 0})
+    ->Args({8, 2})
+    ->Args({8, 3})
+    ->Args({8, 4});
 
 }  // namespace
 

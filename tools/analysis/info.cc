@@ -8,6 +8,7 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/analysis/tree_formats.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/node_format.h"
@@ -34,7 +35,8 @@ Json cameras_json(const traces::Scene& scene) {
 /// Returns, for each node format, the size in bytes of a BVH with this number of inner nodes and trees.
 Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   using traces::BoxNumbers, traces::BoxRecords;
-  Json formats;
+  Json formats = Json::object();
+  if (inner_nodes == 0) return formats;  // a wide tree
   for (const BoxNumbers numbers : {BoxNumbers::kFp32, BoxNumbers::kHybrid}) {
     for (const BoxRecords boxes : {BoxRecords::kPair, BoxRecords::kSingle}) {
       const std::string_view of = names_of(numbers)[static_cast<std::size_t>(numbers)];
@@ -49,8 +51,10 @@ Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
 /// Returns the size in bytes of each part (nodes, triangles, ...) of a scene's memory image; padding counts as
 /// textures.
 Json memory_json(const traces::MemoryImage& image) {
+  const std::uint64_t labels =
+      image.layout.has_labels() ? image.triangles.size() * traces::Layout::kLabelBytes : std::uint64_t{0};
   Json parts = {{"nodes", image.node_array_bytes()},
-                {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
+                {"triangles", image.layout.leaf_bytes + labels},
                 {"attributes", image.attributes.size() * sizeof(traces::AttributeRecord)},
                 {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
                 {"materials", image.materials.size() * sizeof(traces::MaterialRecord) +
@@ -111,7 +115,8 @@ std::string camera_text(const Json& camera) {
 
 }  // namespace
 
-Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost) {
+Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const traces::BvhConfig& config,
+                     const SceneCost& cost) {
   const traces::SceneInfo info = traces::scene_info(scene);
   const traces::BvhInfo tree = traces::bvh_info(image);
   const auto triangles = static_cast<double>(std::max<std::size_t>(info.triangles, 1));
@@ -134,7 +139,16 @@ Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& imag
             {"morph_targets", info.morph_targets},
             {"moving_instances", info.moving_instances}}},
           {"memory_image", memory_json(image)},
-          {"bvh", {{"nodes", tree.nodes}, {"leaves", tree.leaves}, {"depth", tree.depth}, {"sah_cost", tree.sah_cost}}},
+          {"bvh",
+           {{"nodes", tree.nodes},
+            {"leaves", tree.leaves},
+            {"depth", tree.depth},
+            {"sah_cost", tree.sah_cost},
+            {"mean_children", tree.mean_children()},
+            {"occupancy", tree.occupancy()},
+            {"triangles_per_leaf", tree.triangles_per_leaf()},
+            {"bytes_per_triangle", tree.bytes_per_triangle()}}},
+          {"trees", tree_formats_json(scene, config)},
           {"warnings", scene.warnings},
           {"host",
            {{"load_s", cost.load_s},
@@ -172,13 +186,17 @@ std::string scene_info_text(const Json& info, bool cameras) {
   line("animation", animation_text(info["animation"]));
   const Json& memory = info["memory_image"];
   line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
-  line("nodes by format", sizes_text(memory["nodes_by_format"]));
+  if (!memory["nodes_by_format"].empty()) line("nodes by format", sizes_text(memory["nodes_by_format"]));
   const Json& tree = info["bvh"];
   line("BVH", fmt::format("{}, {}, depth {}, SAH cost {:.1f}", count_text(tree["nodes"].get<std::uint64_t>(), "node"),
                           count_text(tree["leaves"].get<std::uint64_t>(), "leaf"), tree["depth"].get<std::uint64_t>(),
                           tree["sah_cost"].get<double>()));
+  line("",
+       fmt::format("{:.2f} children per node ({:.0f} % of slots), {:.2f} triangles per leaf, {:.1f} bytes per triangle",
+                   tree["mean_children"].get<double>(), 100 * tree["occupancy"].get<double>(),
+                   tree["triangles_per_leaf"].get<double>(), tree["bytes_per_triangle"].get<double>()));
   line("host", loading_cost_text(info["host"], triangles));
-  return text;
+  return text + tree_formats_text(info["trees"]);
 }
 
 namespace {

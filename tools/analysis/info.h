@@ -17,8 +17,10 @@ struct SceneCost {
   std::uint64_t peak_bytes = 0;  ///< peak memory of the process above the level before loading
 };
 
-/// Returns a scene's description as JSON, schema raywatt-scene/1. All members except `host` depend only on the scene.
-sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost);
+/// Returns a scene's description as JSON, schema raywatt-scene/1. All members except `host` depend only on the scene
+/// and the BVH's configuration.
+sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const traces::BvhConfig& config,
+                          const SceneCost& cost);
 
 /// Formats the description of a scene; `cameras`: also print the position of each camera.
 std::string scene_info_text(const sim::Json& info, bool cameras);

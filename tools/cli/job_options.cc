@@ -113,6 +113,7 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
         "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline", "--fps"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
+  verb.add_flag("--any-hit", options.any_hit, "rays of --rays end at their first hit, as shadow rays do")->needs(rays);
 }
 
 void add_timeline_option(CLI::App& verb, JobOptions& options) {

@@ -237,7 +237,7 @@ void print_scene(const InfoOptions& options) {
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
-  const sim::Json info = scene_info_json(scene, image, cost);
+  const sim::Json info = scene_info_json(scene, image, config.bvh, cost);
   fmt::print("{}", options.json ? sim::json_text(info) : scene_info_text(info, options.cameras));
   print_warnings(scene);
 }

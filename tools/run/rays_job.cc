@@ -93,6 +93,7 @@ Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList&
                           played.elapsed_time(), power_scales(inputs.config));
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
+  provenance["any_hit"] = options.any_hit;
   std::vector<std::string> warnings = inputs.warnings;
   add_warnings(warnings, run_warnings(inputs.config, units));
   return {{"schema", "raywatt-rays/1"},
@@ -127,6 +128,7 @@ void run_rays(const JobOptions& options) {
   check_table_names(idle_unit_reports(*inputs.config.gpu), inputs.config);
   print_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays,
+                         options.any_hit ? traces::RayKind::kShadow : traces::RayKind::kPrimary,
                          [&](const hw::RayProgress& so_far) {
                            progress.set_tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
                            return !is_interrupted();

@@ -44,6 +44,16 @@ void fill_recorded_bvh(const traces::TileScope& scope, const traces::BvhConfig& 
   }
   image = {};
   for (const auto& children : scope.links.nodes) std::ranges::copy(children, image.nodes.emplace_back().child);
+  for (const auto& children : scope.links.wide_nodes) {
+    std::ranges::copy(children, image.wide_nodes.emplace_back().child);
+  }
+  image.begins_record = scope.links.begins_record;
+  image.leaf_format = config.leaf;
+  if (image.is_wide()) {
+    image.wide_format = config.node_format();
+    image.width = config.width;
+    image.child_order = config.order;
+  }
   for (const std::uint32_t root : scope.links.roots) image.instances.emplace_back().root = root;
   std::vector<std::uint32_t> roots = scope.links.roots;
   std::ranges::sort(roots);
@@ -52,8 +62,8 @@ void fill_recorded_bvh(const traces::TileScope& scope, const traces::BvhConfig& 
     image.trees.push_back({.first_node = *root});
   }
   // The machine needs to know that there is a grid, not its position.
-  if (config.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
-  image.layout = traces::layout_of(scope.counts, image.nodes, config);
+  if (config.box_numbers() == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
+  image.layout = traces::layout_of(scope.counts, image, config);
 }
 
 }  // namespace

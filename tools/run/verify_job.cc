@@ -146,7 +146,7 @@ int verify_rays(const JobOptions& options) {
   const traces::VerifyingTracer verifying(inputs.image, tested, embree);
   std::vector<traces::Hit> hits(list.rays.size());
   progress.begin_part("tracing", 0, 1);
-  verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
+  verifying.trace(list.rays, options.any_hit ? traces::RayKind::kShadow : traces::RayKind::kPrimary, hits, nullptr);
   const traces::VerifyCounts counts = verifying.verify_counts();
   progress.set_tiles_done(1, counts.rays, 0);
   progress.finish("done");

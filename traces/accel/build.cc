@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "traces/accel/build/bvh_build.h"
+#include "traces/accel/build/collapse.h"
 #include "traces/accel/build/flatten.h"
 #include "traces/accel/build/material_tables.h"
 #include "traces/accel/build/two_level.h"
+#include "traces/accel/leaf_format.h"
+#include "traces/accel/wide_format.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -22,9 +28,51 @@ Bounds bounds_of(const MemoryImage& image, std::uint32_t leaf) {
   return b;
 }
 
+/// Returns the bounds of all triangles of an image.
+Bounds triangle_bounds(const MemoryImage& image) {
+  Bounds bounds;
+  for (const TriangleRecord& t : image.triangles) {
+    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
+  }
+  return bounds;
+}
+
 Bounds bounds_of(const NodeRecord& node) {
   return {{std::min(node.x[0], node.x[1]), std::min(node.y[0], node.y[1]), std::min(node.z[0], node.z[1])},
           {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
+}
+
+/// Gives an image the nodes of a binary tree over its triangles, which are still in input order: collapsed if they are
+/// to be wide. Returns the order of the triangles in leaves.
+std::vector<std::uint32_t> set_nodes(FlatBvh&& bvh, const BvhConfig& config, MemoryImage& image) {
+  std::vector<std::uint32_t> order = std::move(bvh.order);
+  if (config.is_wide()) {
+    bvh.order = std::move(order);
+    WideBvh wide = collapse_tree(bvh, config, most_merged_triangles(config));
+    image.wide_nodes = std::move(wide.nodes);
+    image.wide_format = config.node_format();
+    image.width = config.width;
+    image.child_order = config.order;
+    order = std::move(wide.order);
+  } else {
+    image.nodes = std::move(bvh.nodes);
+  }
+  if (config.leaf != LeafFormat::kTriangles) {
+    image.leaf_format = config.leaf;
+    arrange_leaves(image.triangles, triangle_leaves(image), config.leaf, order, image.begins_record);
+  }
+  return order;
+}
+
+/// Sets the bounds of a one-level image and rounds its boxes to the format of its nodes.
+void finish_nodes(const BvhConfig& config, MemoryImage& image) {
+  const Bounds bounds = triangle_bounds(image);
+  if (!bounds.empty()) {
+    image.lower = bounds.lower;
+    image.upper = bounds.upper;
+  }
+  if (config.box_numbers() == BoxNumbers::kHybrid) round_boxes_to_grid(image);
+  if (is_quantised(image.wide_format)) quantise_nodes(image.wide_nodes, image.wide_format);
 }
 
 MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config,
@@ -32,23 +80,15 @@ MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials,
   const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
   image.triangles = triangle_records(placed, materials);
-  FlatBvh bvh = BvhBuilder(config, threads, stop).build_over(image.triangles);
-  image.nodes = std::move(bvh.nodes);
+  const std::vector<std::uint32_t> order =
+      set_nodes(BvhBuilder(config, threads, stop).build_over(image.triangles), config, image);
   ShadingRecords shading = shading_records(placed, materials);
   image.attributes = std::move(shading.attributes);
   image.vertices = std::move(shading.vertices);
-  reorder_records<TriangleRecord>(image.triangles, bvh.order);
-  reorder_records<AttributeRecord>(image.attributes, bvh.order);
-  if (!image.vertices.empty()) reorder_records<VertexRecord>(image.vertices, bvh.order);
-  Bounds bounds;
-  for (const TriangleRecord& t : image.triangles) {
-    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
-  }
-  if (!bounds.empty()) {
-    image.lower = bounds.lower;
-    image.upper = bounds.upper;
-  }
-  if (config.numbers == BoxNumbers::kHybrid) round_boxes_to_grid(image);
+  reorder_records<TriangleRecord>(image.triangles, order);
+  reorder_records<AttributeRecord>(image.attributes, order);
+  if (!image.vertices.empty()) reorder_records<VertexRecord>(image.vertices, order);
+  finish_nodes(config, image);
   return image;
 }
 
@@ -72,13 +112,50 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.lights = scene.lights;
   image.background = scene.background;
   image.ambient = scene.ambient;
-  image.layout = layout_of(counts_of(image), image.nodes, config);
+  image.layout = layout_of(counts_of(image), image, config);
   return image;
 }
+
+MemoryImage reformat_tree(const MemoryImage& binary, const BvhConfig& config) {
+  assert(!binary.is_wide() && !binary.grid && !binary.has_two_levels());
+  MemoryImage image;
+  image.triangles = binary.triangles;
+  FlatBvh bvh{binary.nodes, std::vector<std::uint32_t>(binary.triangles.size())};
+  std::iota(bvh.order.begin(), bvh.order.end(), 0U);
+  reorder_records<TriangleRecord>(image.triangles, set_nodes(std::move(bvh), config, image));
+  finish_nodes(config, image);
+  image.layout = layout_of(counts_of(binary), image, config);
+  return image;
+}
+
+namespace {
+
+/// Recomputes the boxes of wide nodes. Exact bounds are kept apart from the planes, which the format may round.
+void recompute_wide_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
+  std::vector<Bounds> exact(end - first);
+  for (std::size_t i = end; i-- > first;) {
+    WideNode& node = image.wide_nodes[i];
+    Bounds& all = exact[i - first];
+    for (std::uint32_t slot = 0; slot < kMaxWidth; ++slot) {
+      const std::uint32_t link = node.child[slot];
+      if (link == kNoChild) continue;
+      const Bounds box = is_leaf(link) ? bounds_of(image, link) : exact[link - first];
+      set_box(node, slot, box);
+      all.add(box.lower);
+      all.add(box.upper);
+    }
+  }
+  if (is_quantised(image.wide_format)) {
+    quantise_nodes(std::span(image.wide_nodes).subspan(first, end - first), image.wide_format);
+  }
+}
+
+}  // namespace
 
 /// Recomputes the boxes of BVH nodes in one backward pass. Nodes precede their children, so the boxes of the children
 /// are known first.
 void recompute_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
+  if (image.is_wide()) return recompute_wide_boxes(image, first, end);
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];
     for (int c = 0; c < 2; ++c) {
@@ -101,13 +178,16 @@ void refit_memory_image(const Scene& posed, MemoryImage& image) {
     image.attributes[i] = shading.attributes[source];
     if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
   }
-  recompute_boxes(image, 0, image.nodes.size());
+  recompute_boxes(image, 0, image.node_count());
   if (!image.triangles.empty()) {
-    const Bounds bounds = bounds_of(image.nodes.front());
+    const Bounds bounds = image.is_wide() ? triangle_bounds(image) : bounds_of(image.nodes.front());
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
   if (image.grid) round_boxes_to_grid(image);
+  if (image.leaf_format != LeafFormat::kTriangles) {
+    cut_records(image.triangles, triangle_leaves(image), image.leaf_format, image.begins_record);
+  }
   image.lights = posed.lights;
 }
 
@@ -117,6 +197,8 @@ void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned t
     if (update_two_levels(posed, config, threads, image, stop)) return;
   } else if (config.update == BvhUpdate::kRefit) {
     refit_memory_image(posed, image);
+    // Triangles that have moved may need other records.
+    if (image.leaf_format != LeafFormat::kTriangles) image.layout = layout_of(counts_of(image), image, config);
     return;
   }
   const MipMaps mip_maps = image.has_mip_maps() ? MipMaps::kOn : MipMaps::kOff;

@@ -12,6 +12,10 @@ namespace traces {
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {}, unsigned threads = 0,
                                sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff);
 
+/// Returns the tree, triangles and layout of a one-level image of float pairs in the format that `config` selects. The
+/// result has no shading records. `config` must have the binary tree's keys: leaf size, depth and costs.
+MemoryImage reformat_tree(const MemoryImage& binary, const BvhConfig& config);
+
 /// Recomputes the boxes of nodes [first, end) of an image from their triangles. The nodes must form whole trees.
 void recompute_boxes(MemoryImage& image, std::size_t first, std::size_t end);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -34,6 +35,29 @@ struct BvhConfig {
   BoxNumbers numbers = BoxNumbers::kFp32;
   BoxRecords boxes = BoxRecords::kPair;
   std::uint32_t triangle_bytes = 48;
+  std::uint32_t width = 2;
+  Collapse collapse = Collapse::kArea;
+  CollapseCost collapse_cost = CollapseCost::kTests;
+  NodeFormat format = NodeFormat::kFp32;
+  LeafFormat leaf = LeafFormat::kTriangles;
+  ChildOrder order = ChildOrder::kSort;
+
+  /// Returns the format of nodes. `numbers: hybrid` and `format: hybrid` mean the same.
+  NodeFormat node_format() const {
+    return format == NodeFormat::kFp32 && numbers == BoxNumbers::kHybrid ? NodeFormat::kHybrid : format;
+  }
+  BoxNumbers box_numbers() const {
+    return node_format() == NodeFormat::kHybrid ? BoxNumbers::kHybrid : BoxNumbers::kFp32;
+  }
+  /// True if trees have wide nodes: more than two children, or quantised boxes.
+  bool is_wide() const { return width > 2 || is_quantised(format); }
+  /// Returns the most triangles in a leaf that the formats of nodes and leaves can store.
+  std::uint32_t most_leaf_triangles() const {
+    const std::uint32_t records = most_leaf_records(format);
+    // A block has room for three triangles even if they share neither vertices nor leading bits.
+    const std::uint32_t triangles = leaf == LeafFormat::kBlock128 ? 3 * records : records;
+    return std::min(triangles, kMaxLeafTriangles);
+  }
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
@@ -44,11 +68,8 @@ struct BvhConfig {
           kFunction);
     field(NAMED(c.intersection_cost), "", "surface area heuristic: cost of a triangle", sim::between(0.01, 100),
           kFunction);
-    field.not_modelled("width", "every node has two children");
-    field.not_modelled("collapse", "every node has two children");
-    field.not_modelled("format", "only bvh.numbers and bvh.boxes change the records");
     field.not_modelled("builder", "the host builds the tree by the surface area heuristic, free of charge");
-    field.not_modelled("compression", "only bvh.numbers reduces the size of boxes");
+    field.not_modelled("compression", "bvh.format and bvh.leaf reduce the size of nodes and leaves");
     field(NAMED(c.update), "",
           "moving scenes: rebuild the tree for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
@@ -65,13 +86,55 @@ struct BvhConfig {
     field(NAMED(c.triangle_bytes), "bytes",
           "size of a triangle record: 48, or 36 for the vertices only, with the rest in a separate array",
           sim::between(36, 48), kLayout);
+    field(NAMED(c.width), "children", "most children of a node: 2, 4, 6 or 8; wider trees are collapsed binary trees",
+          sim::between(2, kMaxWidth), kFunction);
+    field(NAMED(c.collapse), "",
+          "choice of a wide node's children: open the inner child of largest area while there is room, or minimise the "
+          "expected cost of the tree",
+          sim::any(), kFunction);
+    field(NAMED(c.collapse_cost), "",
+          "cost that collapse: sah minimises: node visits and triangle tests, or bytes of the records read", sim::any(),
+          kFunction);
+    field(
+        NAMED(c.format), "",
+        "format of nodes: floats, hybrid numbers, or planes of 8 bits (q8: 64 bytes, cw80: 80 bytes) or 12 bits (q12: "
+        "128 bytes) on a grid of the node's own",
+        sim::any(), kFunction);
+    field(NAMED(c.leaf), "",
+          "format of leaves: a record per triangle, 64-byte records of two triangles that share an edge, or 128-byte "
+          "blocks whose vertices share leading bits",
+          sim::any(), kFunction);
+    field(
+        NAMED(c.order), "",
+        "order in which a ray visits the hit children of a wide node: by distance, the nearest first and the others by "
+        "slot, or by slots that suit the ray's octant (cw80)",
+        sim::any(), kFunction);
   }
   void check(auto&& complain) const {
     if (triangle_bytes != 36 && triangle_bytes != 48) {
       complain("triangle_bytes", "is " + std::to_string(triangle_bytes) + "; allowed: 36 or 48");
     }
-    if (numbers == BoxNumbers::kHybrid && instances == InstanceLevels::kTwoLevel) {
-      complain("numbers",
+    if (width % 2 != 0) complain("width", "is " + std::to_string(width) + "; allowed: 2, 4, 6, 8");
+    if (numbers == BoxNumbers::kHybrid && is_quantised(format)) {
+      complain("numbers", "is hybrid, but the format has numbers of its own; allowed with it: fp32");
+    }
+    if (is_wide() && boxes == BoxRecords::kSingle) {
+      complain("boxes", "is single; allowed with wide nodes: pair");
+    }
+    if (order == ChildOrder::kOctant && format != NodeFormat::kCw80) {
+      complain("order", "is octant, which needs octant slots; allowed with it: bvh.format=cw80");
+    }
+    if (triangle_bytes == 36 && (is_quantised(format) || leaf != LeafFormat::kTriangles)) {
+      complain("triangle_bytes",
+               "is 36, which needs flags in nodes; allowed with quantised nodes, pairs and blocks: 48");
+    }
+    if (leaf_size > most_leaf_triangles()) {
+      complain("leaf_size", "is " + std::to_string(leaf_size) +
+                                "; allowed with these formats of nodes and leaves: 1 to " +
+                                std::to_string(most_leaf_triangles()));
+    }
+    if (box_numbers() == BoxNumbers::kHybrid && instances == InstanceLevels::kTwoLevel) {
+      complain(numbers == BoxNumbers::kHybrid ? "numbers" : "format",
                "hybrid numbers lie on one grid over the scene, and a mesh of instances: two_level does not; "
                "allowed with it: fp32");
     }

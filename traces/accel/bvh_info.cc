@@ -1,6 +1,7 @@
 #include "traces/accel/bvh_info.h"
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -18,19 +19,31 @@ std::string digest_of(const std::vector<Record>& records) {
 }  // namespace
 
 std::string bvh_hash(const MemoryImage& image) {
-  std::string parts = digest_of(image.nodes) + digest_of(image.triangles);
+  std::string parts =
+      (image.is_wide() ? digest_of(image.wide_nodes) : digest_of(image.nodes)) + digest_of(image.triangles);
   if (image.has_two_levels()) parts += digest_of(image.instances);
   if (image.grid) parts += digest_of(std::vector{image.grid->lower_corner(), image.grid->plane_spacing()});
+  if (!image.begins_record.empty())
+    parts += digest_of(std::vector<char>(image.begins_record.begin(), image.begins_record.end()));
   return sim::sha256_hex(parts);
 }
 
 namespace {
 
-double half_area(const NodeRecord& node, int child, const glm::vec3& step) {
-  const double x = (double{node.x[2 + child]} - node.x[child]) * step.x;
-  const double y = (double{node.y[2 + child]} - node.y[child]) * step.y;
-  const double z = (double{node.z[2 + child]} - node.z[child]) * step.z;
-  return x * y + y * z + z * x;
+/// Returns half the area of a child's box. `step` converts planes to distances.
+double half_area(const MemoryImage& image, std::size_t index, int child, const glm::vec3& step) {
+  double size[3];
+  for (int a = 0; a < 3; ++a) {
+    if (image.is_wide()) {
+      const auto& [lower, upper] = image.wide_nodes[index].planes[a];
+      size[a] = (double{upper[child]} - lower[child]) * step[a];
+    } else {
+      const NodeRecord& node = image.nodes[index];
+      const float* planes = a == 0 ? node.x : a == 1 ? node.y : node.z;
+      size[a] = (double{planes[2 + child]} - planes[child]) * step[a];
+    }
+  }
+  return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
 }
 
 double half_area(const glm::vec3& lower, const glm::vec3& upper) {
@@ -40,9 +53,9 @@ double half_area(const glm::vec3& lower, const glm::vec3& upper) {
   return x * y + y * z + z * x;
 }
 
-double root_area(const NodeRecord& root) {
-  return half_area({std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]), std::min(root.z[0], root.z[1])},
-                   {std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]), std::max(root.z[2], root.z[3])});
+double root_area(const MemoryImage& image, std::uint32_t root) {
+  const Bounds bounds = tree_bounds(image, root);
+  return half_area(bounds.lower, bounds.upper);
 }
 
 /// Expected cost and depth of a tree, for a random line through its bounds.
@@ -61,22 +74,25 @@ TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t e
   // Nodes precede their children, so one forward pass finds every node's depth.
   std::vector<std::uint32_t> depth(end - begin, 1);
   for (std::size_t i = begin; i < end; ++i) {
-    const NodeRecord& node = image.nodes[i];
+    const std::span<const std::uint32_t> links = image.links_of(static_cast<std::uint32_t>(i));
     const std::uint32_t own = depth[i - begin];
     tree.depth = std::max(tree.depth, own);
-    for (int c = 0; c < 2; ++c) {
-      const std::uint32_t link = node.child[c];
+    for (int c = 0; c < static_cast<int>(links.size()); ++c) {
+      const std::uint32_t link = links[static_cast<std::size_t>(c)];
       if (link == kNoChild) continue;
+      ++info.children;
+      const double box = half_area(image, i, c, step);
       if (is_instance(link)) {
         const TreeCost& entered = below[image.tree_of[link_instance(link)]];
         tree.depth = std::max(tree.depth, own + entered.depth);
-        cost += half_area(node, c, step) * entered.cost;
+        cost += box * entered.cost;
       } else if (is_leaf(link)) {
         ++info.leaves;
-        cost += half_area(node, c, step) * config.intersection_cost * leaf_count(link);
+        info.leaf_triangles += leaf_count(link);
+        cost += box * config.intersection_cost * leaf_count(link);
       } else {
         depth[link - begin] = own + 1;
-        cost += half_area(node, c, step) * config.traversal_cost;
+        cost += box * config.traversal_cost;
       }
     }
   }
@@ -88,16 +104,16 @@ TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t e
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
   BvhInfo info;
-  info.nodes = image.nodes.size();
-  info.bytes = image.node_array_bytes() + image.instances.size() * sizeof(InstanceRecord) +
-               image.triangles.size() * sizeof(TriangleRecord);  // includes the label words
+  info.nodes = image.node_count();
+  info.slots = info.nodes * image.width;
+  info.bytes = image.layout.tree_bytes + (image.layout.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
   std::vector<TreeCost> objects;
   for (std::size_t k = 0; k < image.trees.size(); ++k) {
     const std::size_t begin = image.trees[k].first_node;
-    const std::size_t end = k + 1 == image.trees.size() ? image.nodes.size() : image.trees[k + 1].first_node;
-    objects.push_back(measure_tree(image, begin, end, root_area(image.nodes[begin]), config, {}, info));
+    const std::size_t end = k + 1 == image.trees.size() ? image.node_count() : image.trees[k + 1].first_node;
+    objects.push_back(measure_tree(image, begin, end, root_area(image, image.trees[k].first_node), config, {}, info));
   }
-  const std::size_t top = image.trees.empty() ? image.nodes.size() : image.trees.front().first_node;
+  const std::size_t top = image.trees.empty() ? image.node_count() : image.trees.front().first_node;
   const TreeCost all = measure_tree(image, 0, top, half_area(image.lower, image.upper), config, objects, info);
   info.depth = all.depth;
   info.sah_cost = all.cost;

@@ -14,6 +14,17 @@ struct BvhInfo {
   std::uint32_t depth = 0;  ///< number of inner nodes on the longest path through the BVH, over both levels
   double sah_cost = 0;      ///< expected cost of a random line through the scene (surface area heuristic)
   std::uint64_t bytes = 0;  ///< bytes of nodes, instances and triangles in memory
+  std::uint64_t children = 0, slots = 0;  ///< children of all nodes, and how many would fit
+  std::uint64_t leaf_triangles = 0;       ///< triangles of all leaves
+  double mean_children() const { return ratio(children, nodes); }
+  double occupancy() const { return ratio(children, slots); }  ///< share of slots with a child
+  double triangles_per_leaf() const { return ratio(leaf_triangles, leaves); }
+  double bytes_per_triangle() const { return ratio(bytes, leaf_triangles); }
+
+ private:
+  static double ratio(std::uint64_t a, std::uint64_t b) {
+    return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b);
+  }
 };
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});

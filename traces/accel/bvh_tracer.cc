@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <limits>
@@ -55,6 +56,8 @@ struct NoWalkRecorder {
 namespace {
 
 constexpr std::size_t kStackSize = 128;  // entries; deeper than any tree that BvhConfig allows
+/// Stack entries in wide trees: a wide tree is no deeper than the binary tree that it is collapsed from.
+constexpr std::size_t kWideStackSize = (kMaxWidth - 1) * kStackSize;
 
 /// Returns the phases in which four triangle tests ended, given which lanes passed the distance test and which hit.
 constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
@@ -68,16 +71,19 @@ struct Nothing {
   explicit Nothing(const auto&) {}
 };
 
-/// The traversal of the BVH by one ray. `kLevels`: the BVH has two levels.
-template <class Lanes, bool kAnyHit, bool kLevels, class Record>
+/// The traversal of the BVH by one ray. `kSlots`: the slots of a wide node that can have a child, or 0 for a binary
+/// tree. `kLevels`: the BVH has two levels.
+template <class Lanes, bool kAnyHit, bool kLevels, std::uint32_t kSlots, class Record>
 class Walk {
+  static constexpr bool kWide = kSlots != 0;
+  using Boxes = std::conditional_t<kWide, RayWideBoxes<BoxLanes<Lanes, kSlots>>, RayBoxes<Lanes>>;
+
  public:
   Walk(const MemoryImage& image, bool is_single_sided, const Ray& ray, Record& record)
       : image_(image),
         ray_(ray),
         record_(record),
-        boxes_(image.grid ? RayBoxes<Lanes>(ray, image.lower, image.upper, *image.grid)
-                          : RayBoxes<Lanes>(ray, image.lower, image.upper)),
+        boxes_(image.grid ? BoxRay(ray, image.lower, image.upper, *image.grid) : BoxRay(ray, image.lower, image.upper)),
         triangles_(ray),
         world_(boxes_),
         is_single_sided_(is_single_sided),
@@ -113,21 +119,90 @@ class Walk {
   std::uint32_t enter_instance(std::uint32_t instance) {
     record_.write_word(instance_step(instance));
     const InstanceRecord& record = image_.instances[instance];
-    const NodeRecord& root = image_.nodes[record.root];
-    const glm::vec3 lower{std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]),
-                          std::min(root.z[0], root.z[1])};
-    const glm::vec3 upper{std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]),
-                          std::max(root.z[2], root.z[3])};
+    const Bounds root = tree_bounds(image_, record.root);
     const Ray ray = to_object_space(record, ray_);
-    boxes_ = RayBoxes<Lanes>(ray, lower, upper);
+    boxes_ = Boxes(BoxRay(ray, root.lower, root.upper));
     triangles_ = RayTriangles<Lanes>(ray);
     instance_ = instance;
     floor_ = depth_;
     return record.root;
   }
 
-  /// Tests the boxes of both children of a node and returns the link to visit next.
+  /// Tests the boxes of all children of a node and returns the link to visit next.
   std::uint32_t visit_node(std::uint32_t index) {
+    if constexpr (kWide) {
+      return visit_wide_node(index);
+    } else {
+      return visit_binary_node(index);
+    }
+  }
+
+  std::uint32_t visit_wide_node(std::uint32_t index) {
+    const WideNode& node = image_.wide_nodes[index];
+    alignas(32) float enter[kMaxWidth];
+    const unsigned mask = boxes_.template entry_distances<kSlots>(node, t_min_, limit_, enter);
+    record_.write_word(wide_step(index));
+    if (mask == 0) {
+      record_.write_word(0);
+      return pop_entry();
+    }
+    const auto first = static_cast<std::uint32_t>(std::countr_zero(mask));
+    const unsigned others = mask & (mask - 1);
+    if (others == 0) {
+      record_.write_word(wide_hits(mask, first));
+      return node.child[first];
+    }
+    return order_children(node, enter, mask, first, others);
+  }
+
+  /// Sorts the hit children (ChildOrder). Pushes all but the first, the last first, and returns the first.
+  std::uint32_t order_children(const WideNode& node, const float* enter, unsigned mask, std::uint32_t first,
+                               unsigned others) {
+    std::uint32_t slots[kMaxWidth] = {first};
+    std::uint32_t count = 1;
+    if (image_.child_order != ChildOrder::kSort)
+      return push_children(node, enter, mask, slots, order_by_slot(enter, mask, slots));
+    for (; others != 0; others &= others - 1) {
+      const auto slot = static_cast<std::uint32_t>(std::countr_zero(others));
+      std::uint32_t at = count++;
+      for (; at != 0 && enter[slot] < enter[slots[at - 1]]; --at) slots[at] = slots[at - 1];
+      slots[at] = slot;
+    }
+    return push_children(node, enter, mask, slots, count);
+  }
+
+  /// Writes the slots of the hit children in an order that does not sort by distance, and returns their number.
+  std::uint32_t order_by_slot(const float* enter, unsigned mask, std::uint32_t* slots) const {
+    std::uint32_t count = 0;
+    if (image_.child_order == ChildOrder::kOctant) {
+      // A slot's octant is that of the ray that enters its child last.
+      const std::uint32_t opposite = boxes_.octant() ^ (kMaxWidth - 1);
+      for (std::uint32_t i = 0; i < kMaxWidth; ++i) {
+        if ((mask >> (i ^ opposite) & 1U) != 0) slots[count++] = i ^ opposite;
+      }
+      return count;
+    }
+    for (unsigned left = mask; left != 0; left &= left - 1) {
+      slots[count++] = static_cast<std::uint32_t>(std::countr_zero(left));
+    }
+    const auto nearer = [&](std::uint32_t a, std::uint32_t b) { return enter[a] < enter[b]; };
+    std::uint32_t* const nearest = std::min_element(slots, slots + count, nearer);
+    std::rotate(slots, nearest, nearest + 1);
+    return count;
+  }
+
+  std::uint32_t push_children(const WideNode& node, const float* enter, unsigned mask, const std::uint32_t* slots,
+                              std::uint32_t count) {
+    std::uint32_t order = 0;
+    for (std::uint32_t i = count; i-- > 1;) {
+      order |= slots[i] << (kSlotBits * i);
+      stack_[depth_++] = {node.child[slots[i]], enter[slots[i]]};
+    }
+    record_.write_word(wide_hits(mask, order | slots[0]));
+    return node.child[slots[0]];
+  }
+
+  std::uint32_t visit_binary_node(std::uint32_t index) {
     const NodeRecord& node = image_.nodes[index];
     unsigned hits = 0;
     const Lanes enter = boxes_.entry_distances(node, RayBoxes<Lanes>::distance_limits(t_min_, limit_), hits);
@@ -236,10 +311,10 @@ class Walk {
   const MemoryImage& image_;
   const Ray& ray_;
   Record& record_;
-  RayBoxes<Lanes> boxes_;
+  Boxes boxes_;
   RayTriangles<Lanes> triangles_;
   /// The ray in world space, stored because `boxes_` may have the ray in the space of an instance.
-  [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;
+  [[no_unique_address]] const std::conditional_t<kLevels, Boxes, Nothing> world_;
   std::uint32_t instance_ = kNone;  ///< instance into whose space the ray is transformed, or kNone
   std::uint32_t hit_instance_ = kNone;
   std::size_t floor_ = 0;       ///< number of stack entries when the ray entered the instance
@@ -248,31 +323,38 @@ class Walk {
   float limit_;  ///< end of the ray: t_max, or the distance of the hit found so far
   Hit hit_;
   std::size_t depth_ = 0;
-  std::array<Entry, kLevels ? 2 * kStackSize : kStackSize> stack_;
+  std::array<Entry, (kLevels ? 2 : 1) * (kWide ? kWideStackSize : kStackSize)> stack_;
 };
 
-template <class Lanes, bool kAnyHit, bool kLevels, class Record>
+template <class Lanes, bool kAnyHit, bool kLevels, std::uint32_t kSlots, class Record>
 void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, Record&& record) {
   const bool is_single_sided = image.has_single_sided();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     record.begin_ray();
     record.make_room();
     hits[i] =
-        Walk<Lanes, kAnyHit, kLevels, std::remove_reference_t<Record>>(image, is_single_sided, rays[i], record).run();
+        Walk<Lanes, kAnyHit, kLevels, kSlots, std::remove_reference_t<Record>>(image, is_single_sided, rays[i], record)
+            .run();
   }
 }
 
-template <class Lanes, bool kLevels, class Record>
-void trace_kind(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, Record&& record) {
-  any ? trace_all<Lanes, true, kLevels>(image, rays, hits, record)
-      : trace_all<Lanes, false, kLevels>(image, rays, hits, record);
-}
+/// Calls `f` with a template argument for a truth value that is known only at run time.
+void with_constant(bool value, auto&& f) { value ? f(std::true_type{}) : f(std::false_type{}); }
 
 template <class Lanes>
 void trace_with(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, WalkSink* walk) {
   const auto with = [&](auto&& record) {
-    image.has_two_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
-                           : trace_kind<Lanes, false>(image, rays, any, hits, record);
+    with_constant(any, [&](auto any_hit) {
+      with_constant(image.has_two_levels(), [&](auto levels) {
+        if (!image.is_wide()) {
+          trace_all<Lanes, any_hit.value, levels.value, 0>(image, rays, hits, record);
+        } else if (image.wide_slots() <= 4) {
+          trace_all<Lanes, any_hit.value, levels.value, 4>(image, rays, hits, record);
+        } else {
+          trace_all<Lanes, any_hit.value, levels.value, kMaxWidth>(image, rays, hits, record);
+        }
+      });
+    });
     record.finish();
   };
   walk != nullptr ? with(WalkRecorder(*walk)) : with(NoWalkRecorder{});
@@ -281,7 +363,7 @@ void trace_with(const MemoryImage& image, std::span<const Ray> rays, bool any, s
 }  // namespace
 
 BvhTracer::BvhTracer(const MemoryImage& image, Arithmetic arithmetic) : image_(image), arithmetic_(arithmetic) {
-  assert(!image.nodes.empty());
+  assert(image.node_count() != 0);
 }
 
 void BvhTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const {

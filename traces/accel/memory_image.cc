@@ -5,6 +5,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "traces/accel/bvh_config.h"
+#include "traces/accel/tree_places.h"
+
 namespace traces {
 namespace {
 
@@ -56,20 +59,30 @@ ImageCounts counts_of(const MemoryImage& image) {
 }
 
 // Arrays that the scene does not need have size 0.
-Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config) {
+Layout layout_of(const ImageCounts& counts, const MemoryImage& image, const BvhConfig& config) {
   Layout at;
-  at.node_bytes = node_bytes(config.numbers, config.boxes);
-  if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(nodes);
-  at.triangle_bytes = config.triangle_bytes;
+  at.node_bytes = config.is_wide() ? wide_node_bytes(config.node_format(), config.width)
+                                   : node_bytes(config.box_numbers(), config.boxes);
+  if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(image.nodes);
+  at.triangle_bytes = leaf_record_bytes(config);
+  at.separate_labels = at.triangle_bytes == Layout::kVerticesBytes || config.leaf == LeafFormat::kBlock128;
+  TreePlaces tree = place_tree(counts, image, config);
+  at.node_places = std::move(tree.nodes);
+  at.triangle_places = std::move(tree.triangles);
+  at.instance_places = std::move(tree.instances);
+  at.leaf_bytes = tree.leaf_bytes;
+  at.tree_bytes = tree.node_bytes + (tree.one_array ? 0 : counts.instances * sizeof(InstanceRecord) + tree.leaf_bytes);
   std::uint64_t next = 0;
   const auto reserve = [&](std::uint64_t bytes) {
     const std::uint64_t base = next;
     next = align_to_line(next + bytes);
     return base;
   };
-  at.nodes = reserve(at.node_bytes * node_records(nodes.size(), config.boxes, 1 + counts.trees));
-  at.instances = reserve(counts.instances * sizeof(InstanceRecord));
-  at.triangles = reserve(counts.triangles * at.triangle_bytes);
+  at.nodes = at.instances = at.triangles = reserve(tree.node_bytes);
+  if (!tree.one_array) {
+    at.instances = reserve(counts.instances * sizeof(InstanceRecord));
+    at.triangles = reserve(tree.leaf_bytes);
+  }
   at.labels = reserve(at.has_labels() ? counts.triangles * Layout::kLabelBytes : 0);
   at.attributes = reserve(counts.attributes * sizeof(AttributeRecord));
   at.vertices = reserve(counts.vertices * sizeof(VertexRecord));
@@ -90,16 +103,32 @@ bool MemoryImage::has_single_sided() const {
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
 std::uint64_t MemoryImage::node_array_bytes() const {
+  if (is_wide()) return std::uint64_t{layout.node_bytes} * wide_nodes.size();
   const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
   return layout.node_bytes * node_records(nodes.size(), boxes, 1 + trees.size());
 }
 
+Bounds tree_bounds(const MemoryImage& image, std::uint32_t root) {
+  if (!image.is_wide()) {
+    const NodeRecord& node = image.nodes[root];
+    return {{std::min(node.x[0], node.x[1]), std::min(node.y[0], node.y[1]), std::min(node.z[0], node.z[1])},
+            {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
+  }
+  Bounds bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& [lower, upper] = image.wide_nodes[root].planes[axis];
+    bounds.lower[axis] = *std::ranges::min_element(lower);
+    bounds.upper[axis] = *std::ranges::max_element(upper);
+  }
+  return bounds;
+}
+
 std::vector<std::uint32_t> parent_indices(const MemoryImage& image) {
-  const std::size_t nodes = image.nodes.size();
+  const auto nodes = static_cast<std::uint32_t>(image.node_count());
   std::vector<std::uint32_t> parents(nodes + image.instances.size());
   for (const ObjectTree& tree : image.trees) parents[tree.first_node] = tree.first_node;
   for (std::uint32_t node = 0; node < nodes; ++node) {
-    for (const std::uint32_t link : image.nodes[node].child) {
+    for (const std::uint32_t link : image.links_of(node)) {
       if (is_instance(link)) {
         parents[nodes + link_instance(link)] = node;
       } else if (!is_leaf(link) && link != kNoChild) {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/node_format.h"
 #include "traces/ray.h"
+#include "traces/scene/bounds.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
@@ -24,6 +26,19 @@ struct alignas(64) NodeRecord {
   std::uint32_t spare[2];  ///< pads the node to one line
 };
 static_assert(sizeof(NodeRecord) == 64);
+
+/// Inner node of a wide BVH with up to kMaxWidth children, as traversal sees it. The planes are floats in the numbers
+/// that box tests use: for quantised formats the results of the decoder, for hybrid numbers whole grid planes.
+/// wide_format.h defines the node's bits in the GPU's memory.
+///
+/// 1. Children are in slots. A slot without a child has a kNoChild link and an inverted box, which is never hit.
+/// 2. The inner children of a node have consecutive numbers in slot order, all larger than the node's.
+/// 3. The triangles of a node's leaves are consecutive in slot order.
+struct alignas(32) WideNode {
+  float planes[3][2][kMaxWidth];   ///< for each axis: the lower planes of all slots, then the upper planes
+  std::uint32_t child[kMaxWidth];  ///< link words
+};
+static_assert(sizeof(WideNode) == 224);
 
 // A link word names a child. A leaf is 1 | triangles - 1 (3 bits) | first triangle (28), a node is 0 | node (31). Only
 // the root of a one-leaf tree has a kNoChild link; its inverted box is never hit.
@@ -158,7 +173,13 @@ struct Layout {
   /// If a BVH record holds a single box: the record indices of each inner node's children. Otherwise empty, and the
   /// index of a record is that of its node.
   std::vector<std::array<std::uint32_t, 2>> single_boxes;
-  std::uint32_t triangle_bytes = sizeof(TriangleRecord);
+  // Places of records that are not in the order of their numbers, in units of 16 bytes from the beginning of their
+  // array; otherwise empty. In q8 all three arrays begin at `nodes`, because each node is followed by its leaves.
+  std::vector<std::uint32_t> node_places, triangle_places, instance_places;
+  std::uint32_t triangle_bytes = sizeof(TriangleRecord);  ///< size of a leaf record
+  bool separate_labels = false;                           ///< labels are not in the leaf records
+  std::uint64_t leaf_bytes = 0;                           ///< bytes of all leaf records, without labels
+  std::uint64_t tree_bytes = 0;                           ///< bytes of all nodes, instances and leaf records
   /// Address of the triangles' label words, if they are stored apart from the vertices.
   std::uint64_t labels = 0;
   struct TextureAt {
@@ -173,10 +194,13 @@ struct Layout {
   static constexpr std::uint32_t kLabelBytes = sizeof(TriangleRecord) - kVerticesBytes;
 
   /// Returns the address of BVH record `i`.
-  std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
-  std::uint64_t instance_at(std::uint32_t i) const { return instances + std::uint64_t{i} * sizeof(InstanceRecord); }
-  std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }
-  bool has_labels() const { return triangle_bytes == kVerticesBytes; }
+  std::uint64_t node_at(std::uint32_t i) const { return nodes + place_of(node_places, i, node_bytes); }
+  std::uint64_t instance_at(std::uint32_t i) const {
+    return instances + place_of(instance_places, i, sizeof(InstanceRecord));
+  }
+  /// Returns the address of the record that contains triangle `i`.
+  std::uint64_t triangle_at(std::uint32_t i) const { return triangles + place_of(triangle_places, i, triangle_bytes); }
+  bool has_labels() const { return separate_labels; }
   std::uint64_t label_at(std::uint32_t i) const { return labels + std::uint64_t{i} * kLabelBytes; }
   std::uint64_t attributes_at(std::uint32_t i) const { return attributes + std::uint64_t{i} * sizeof(AttributeRecord); }
   std::uint64_t material_at(std::uint32_t i) const { return materials + std::uint64_t{i} * sizeof(MaterialRecord); }
@@ -186,6 +210,13 @@ struct Layout {
   std::uint64_t texel_tile_at(std::uint32_t texture, std::uint32_t x, std::uint32_t y) const {
     const TextureAt& t = textures[texture];
     return t.base + (std::uint64_t{y / 4} * t.tiles_per_row + x / 4) * 64;
+  }
+
+  static constexpr std::uint32_t kPlaceBytes = 16;
+
+ private:
+  static std::uint64_t place_of(const std::vector<std::uint32_t>& places, std::uint32_t i, std::uint32_t bytes) {
+    return places.empty() ? std::uint64_t{i} * bytes : std::uint64_t{places[i]} * kPlaceBytes;
   }
 };
 
@@ -215,7 +246,15 @@ struct ObjectTree {
 /// The scene as stored in the GPU's memory, in one of two forms: all instances flattened into world space under one
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
-  std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
+  std::vector<NodeRecord> nodes;     ///< nodes of all trees; node 0 is the root; empty if the trees are wide
+  std::vector<WideNode> wide_nodes;  ///< nodes of all trees if they are wide (BvhConfig::is_wide), otherwise empty
+  NodeFormat wide_format = NodeFormat::kFp32;  ///< format of wide nodes
+  std::uint32_t width = 2;                     ///< most children of a node
+  ChildOrder child_order = ChildOrder::kSort;  ///< order of visits in wide trees
+  LeafFormat leaf_format = LeafFormat::kTriangles;
+  /// With leaf records of several triangles (leaf_format.h): for each triangle, whether a record begins with it.
+  /// Otherwise empty.
+  std::vector<bool> begins_record;
   std::vector<InstanceRecord> instances;  ///< instances of a two-level image, in the order of Scene::instances
   std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
   std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
@@ -235,6 +274,16 @@ struct MemoryImage {
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid on which the planes of all boxes are
   Layout layout;
+  bool is_wide() const { return !wide_nodes.empty(); }
+  /// Returns the number of nodes of all trees.
+  std::size_t node_count() const { return is_wide() ? wide_nodes.size() : nodes.size(); }
+  /// Returns how many slots of a wide node may have children; octant slots are spread over all.
+  std::uint32_t wide_slots() const { return wide_format == NodeFormat::kCw80 ? kMaxWidth : width; }
+  /// Returns the link words of a node's children.
+  std::span<const std::uint32_t> links_of(std::uint32_t node) const {
+    if (is_wide()) return wide_nodes[node].child;
+    return nodes[node].child;
+  }
   bool has_two_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
   bool has_single_sided() const;  ///< True if rays pass through the back faces of some material.
@@ -246,8 +295,12 @@ struct BvhConfig;
 
 ImageCounts counts_of(const MemoryImage& image);
 
-/// Computes the addresses of all arrays of an image. The arrays follow each other; each begins on a new memory line.
-Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
+/// Computes the addresses of all arrays of an image. The arrays follow each other; each begins on a new memory line. Of
+/// `image` only the links of nodes and the bounds of leaf records are read; `counts` has the number of all records.
+Layout layout_of(const ImageCounts& counts, const MemoryImage& image, const BvhConfig& config);
+
+/// Returns the bounds of the tree with the given root node, from the boxes of the root's children.
+Bounds tree_bounds(const MemoryImage& image, std::uint32_t root);
 
 /// Returns the parent of each inner node of the BVH; a root is its own parent. For a two-level BVH, the parents of all
 /// instances follow.

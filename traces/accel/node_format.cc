@@ -46,6 +46,16 @@ void round_boxes_to_grid(MemoryImage& image) {
       }
     }
   }
+  for (WideNode& node : image.wide_nodes) {
+    for (std::uint32_t slot = 0; slot < kMaxWidth; ++slot) {
+      if (node.child[slot] == kNoChild) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        auto& [lower, upper] = node.planes[axis];
+        lower[slot] = grid.plane_below(lower[slot], axis);
+        upper[slot] = grid.plane_above(upper[slot], axis);
+      }
+    }
+  }
   image.grid = grid;
 }
 

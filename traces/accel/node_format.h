@@ -17,6 +17,64 @@ constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32",
 enum class BoxRecords : std::uint8_t { kPair, kSingle };
 constexpr std::array<std::string_view, 2> names_of(BoxRecords) { return {"pair", "single"}; }
 
+/// Format of the nodes of a tree (wide_format.h): boxes in floats or hybrid numbers, which a tree of any width has, or
+/// planes of a few bits on a grid of each node's own.
+enum class NodeFormat : std::uint8_t {
+  kFp32,
+  kHybrid,
+  kQ8,    ///< 64 bytes, 8-bit planes, one base for all children, as Adreno's
+  kQ12,   ///< 128 bytes, 12-bit planes, as RDNA4's
+  kCw80,  ///< 80 bytes, 8-bit planes, children in octant slots (Ylitie 2017)
+};
+constexpr std::array<std::string_view, 5> names_of(NodeFormat) { return {"fp32", "hybrid", "q8", "q12", "cw80"}; }
+
+constexpr bool is_quantised(NodeFormat format) { return format >= NodeFormat::kQ8; }
+
+/// Returns the largest number of records of a leaf. q8 stores it in 3 bits, where 0 is an inner child, q12 in 4 bits;
+/// cw80 counts to 3 in unary.
+constexpr std::uint32_t most_leaf_records(NodeFormat format) {
+  return format == NodeFormat::kQ8 ? 7 : format == NodeFormat::kCw80 ? 3 : kMaxLeafTriangles;
+}
+
+/// Returns the size in bytes of a node with up to `width` children. Float nodes have 24 bytes of box and 46 bits of
+/// link and flags per child and fill whole lines; hybrid nodes have 20 bytes per child.
+constexpr std::uint32_t wide_node_bytes(NodeFormat format, std::uint32_t width) {
+  switch (format) {
+    case NodeFormat::kFp32:
+      return (width * (24 * 8 + 46) + 511) / 512 * 64;
+    case NodeFormat::kHybrid:
+      return 20 * width;
+    case NodeFormat::kQ8:
+      return 64;
+    case NodeFormat::kQ12:
+      return 128;
+    case NodeFormat::kCw80:
+      return 80;
+  }
+  return 0;
+}
+
+/// How the children of wide nodes are chosen from the binary tree (build/collapse.h).
+enum class Collapse : std::uint8_t { kArea, kSah };
+constexpr std::array<std::string_view, 2> names_of(Collapse) { return {"area", "sah"}; }
+
+/// What the dynamic programme of Collapse::kSah minimises.
+enum class CollapseCost : std::uint8_t { kTests, kBytes };
+constexpr std::array<std::string_view, 2> names_of(CollapseCost) { return {"tests", "bytes"}; }
+
+/// Order in which a ray visits the hit children of a wide node.
+enum class ChildOrder : std::uint8_t {
+  kSort,     ///< by entry distance; of equal distances the lower slot first
+  kNearest,  ///< the nearest first, the others by slot
+  kOctant,   ///< by slot, as the octant of the ray's direction selects (wide_format.h), whatever the distances
+};
+constexpr std::array<std::string_view, 3> names_of(ChildOrder) { return {"sort", "nearest", "octant"}; }
+
+/// Record of the triangles of a leaf (leaf_format.h): one record per triangle, two triangles in 64 bytes, or a block of
+/// 128 bytes whose vertices share leading bits.
+enum class LeafFormat : std::uint8_t { kTriangles, kPair64, kBlock128 };
+constexpr std::array<std::string_view, 3> names_of(LeafFormat) { return {"triangles", "pair64", "block128"}; }
+
 /// Bits of a box plane in the hybrid number format. Twelve planes of 19 bits take 29 bytes, against 48 bytes as floats.
 /// This is the saving of 40 % reported by "hybrid number representations" (2015, doi 10.1145/2818427.2818446).
 inline constexpr std::uint32_t kPlaneBits = 19;

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "traces/accel/memory_image.h"
 #include "traces/ray.h"
 
 #if defined(__SSE4_1__)
-#include <smmintrin.h>
+#include <immintrin.h>
 #endif
 
 namespace traces {
@@ -20,6 +21,7 @@ namespace traces {
 
 /// A vector of four floats in plain C++.
 struct PortableLanes {
+  static constexpr std::uint32_t kLanes = 4;
   std::array<float, 4> v;
 
   static PortableLanes from_float(float x) { return {{x, x, x, x}}; }
@@ -101,6 +103,7 @@ struct PortableLanes {
 
 /// A vector of four floats in an SSE register.
 struct SseLanes {
+  static constexpr std::uint32_t kLanes = 4;
   __m128 v;
 
   static SseLanes from_float(float x) { return {_mm_set1_ps(x)}; }
@@ -144,6 +147,89 @@ using NativeLanes = SseLanes;
 using NativeLanes = PortableLanes;
 #endif
 
+#if defined(__AVX__)
+
+/// A vector of eight floats in an AVX register, with the operations of box tests.
+struct AvxLanes {
+  static constexpr std::uint32_t kLanes = 8;
+  __m256 v;
+
+  static AvxLanes from_float(float x) { return {_mm256_set1_ps(x)}; }
+  static AvxLanes load(const float* p) { return {_mm256_loadu_ps(p)}; }
+  void store(float* p) const { _mm256_storeu_ps(p, v); }
+  friend AvxLanes operator-(AvxLanes a, AvxLanes b) { return {_mm256_sub_ps(a.v, b.v)}; }
+  friend AvxLanes operator*(AvxLanes a, AvxLanes b) { return {_mm256_mul_ps(a.v, b.v)}; }
+  friend AvxLanes min(AvxLanes a, AvxLanes b) { return {_mm256_min_ps(a.v, b.v)}; }
+  friend AvxLanes max(AvxLanes a, AvxLanes b) { return {_mm256_max_ps(a.v, b.v)}; }
+  friend unsigned less_equal_mask(AvxLanes a, AvxLanes b) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)));
+  }
+};
+
+/// The vector that tests `kSlots` boxes of a wide node: eight at once where the host can.
+template <class Lanes, std::uint32_t kSlots>
+using BoxLanes = std::conditional_t<std::is_same_v<Lanes, NativeLanes> && kSlots == AvxLanes::kLanes, AvxLanes, Lanes>;
+
+#else
+template <class Lanes, std::uint32_t>
+using BoxLanes = Lanes;
+#endif
+
+/// How a ray is prepared for box tests, per axis. RayBoxes has the rules.
+class BoxRay {
+ public:
+  struct Axis {
+    float ahead, back;  ///< the origin moved forward and back
+    float inverse;      ///< reciprocal of the direction
+    bool is_negative;
+  };
+
+  /// Prepares a ray for boxes in floats. The scene bounds determine the rounding margin.
+  BoxRay(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper) {
+    const float reach = scene_reach(ray.origin, scene_lower, scene_upper);
+    for (int a = 0; a < 3; ++a) {
+      const float o = ray.origin[a];
+      const float pad = kEpsilon * (8 * reach + std::fabs(o));
+      axes_[a] = axis_of(ray, a, o - pad, o + pad, safe_reciprocal(ray.direction[a]));
+    }
+  }
+  /// Prepares a ray for boxes in hybrid numbers on `grid`.
+  BoxRay(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid) {
+    const float reach = scene_reach(ray.origin, scene_lower, scene_upper);
+    for (int a = 0; a < 3; ++a) {
+      const float o = ray.origin[a];
+      const float pad = kEpsilon * (10 * reach + std::fabs(o));
+      const auto planes = [&](float x) { return (x - grid.lower_corner()[a]) / grid.plane_spacing()[a]; };
+      axes_[a] = axis_of(ray, a, std::floor(planes(o - pad)), std::ceil(planes(o + pad)),
+                         safe_reciprocal(ray.direction[a], grid.plane_spacing()[a]));
+    }
+  }
+  const Axis& operator[](int axis) const { return axes_[axis]; }
+
+ private:
+  static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
+  static constexpr float kTiny = 1e-30F;
+
+  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors are
+  /// proportional to it.
+  static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
+    float r = 0;
+    for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
+    return r;
+  }
+  static Axis axis_of(const Ray& ray, int axis, float below, float above, float inverse) {
+    const bool negative = ray.direction[axis] < 0;
+    return {negative ? below : above, negative ? above : below, inverse, negative};
+  }
+  static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
+  /// Returns the reciprocal of direction component `d` in grid steps, limited to the reciprocal of kTiny.
+  static float safe_reciprocal(float d, float step) {
+    return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
+  }
+
+  Axis axes_[3];
+};
+
 /// A ray prepared for testing both boxes of a node at once.
 ///
 /// 1. The test is conservative: it never misses a box that contains a triangle hit. Near planes are measured from an
@@ -160,12 +246,16 @@ using NativeLanes = PortableLanes;
 template <class Lanes>
 class RayBoxes {
  public:
-  /// Prepares a ray for boxes in floats. The scene bounds determine the rounding margin.
-  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
-      : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper)) {}
-  /// Prepares a ray for boxes in hybrid numbers on `grid`.
-  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
-      : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper), grid) {}
+  explicit RayBoxes(const BoxRay& ray)
+      : swap_x_(ray[0].is_negative),
+        swap_y_(ray[1].is_negative),
+        swap_z_(ray[2].is_negative),
+        x_(moved_origins(ray[0])),
+        y_(moved_origins(ray[1])),
+        z_(moved_origins(ray[2])),
+        inverse_x_(signed_lanes(ray[0].inverse)),
+        inverse_y_(signed_lanes(ray[1].inverse)),
+        inverse_z_(signed_lanes(ray[2].inverse)) {}
 
   /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes of a node, at least t_min. Bit i of
   /// `hits` is set if the ray enters box i before it leaves it and before `limit`.
@@ -181,63 +271,59 @@ class RayBoxes {
   static Lanes distance_limits(float t_min, float t_max) { return Lanes::from_floats(t_min, t_min, -t_max, -t_max); }
 
  private:
-  static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
-  static constexpr float kTiny = 1e-30F;
-
-  RayBoxes(const Ray& ray, float reach)
-      : swap_x_(ray.direction.x < 0),
-        swap_y_(ray.direction.y < 0),
-        swap_z_(ray.direction.z < 0),
-        x_(shifted_origin(ray, 0, reach)),
-        y_(shifted_origin(ray, 1, reach)),
-        z_(shifted_origin(ray, 2, reach)),
-        inverse_x_(signed_lanes(safe_reciprocal(ray.direction.x))),
-        inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y))),
-        inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z))) {}
-  RayBoxes(const Ray& ray, float reach, const BoxGrid& grid)
-      : swap_x_(ray.direction.x < 0),
-        swap_y_(ray.direction.y < 0),
-        swap_z_(ray.direction.z < 0),
-        x_(shifted_origin(ray, 0, reach, grid)),
-        y_(shifted_origin(ray, 1, reach, grid)),
-        z_(shifted_origin(ray, 2, reach, grid)),
-        inverse_x_(signed_lanes(safe_reciprocal(ray.direction.x, grid.plane_spacing().x))),
-        inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
-        inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
-
-  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors are
-  /// proportional to this distance.
-  static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
-    float r = 0;
-    for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
-    return r;
-  }
-  static Lanes shifted_origin(const Ray& ray, int axis, float reach) {
-    const float o = ray.origin[axis];
-    const float pad = kEpsilon * (8 * reach + std::fabs(o));
-    return ahead_and_back(ray, axis, o - pad, o + pad);
-  }
-  static Lanes shifted_origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
-    const float o = ray.origin[axis];
-    const float pad = kEpsilon * (10 * reach + std::fabs(o));
-    const auto planes = [&](float x) { return (x - grid.lower_corner()[axis]) / grid.plane_spacing()[axis]; };
-    return ahead_and_back(ray, axis, std::floor(planes(o - pad)), std::ceil(planes(o + pad)));
-  }
-  static Lanes ahead_and_back(const Ray& ray, int axis, float below, float above) {
-    const float ahead = ray.direction[axis] < 0 ? below : above;
-    const float back = ray.direction[axis] < 0 ? above : below;
-    return Lanes::from_floats(ahead, ahead, back, back);
-  }
-  static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
-  /// Returns the reciprocal of direction component `d` in grid steps, limited to the reciprocal of kTiny.
-  static float safe_reciprocal(float d, float step) {
-    return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
+  static Lanes moved_origins(const BoxRay::Axis& axis) {
+    return Lanes::from_floats(axis.ahead, axis.ahead, axis.back, axis.back);
   }
   static Lanes signed_lanes(float inverse) { return Lanes::from_floats(inverse, inverse, -inverse, -inverse); }
 
   typename Lanes::Swap swap_x_, swap_y_, swap_z_;
   Lanes x_, y_, z_;
   Lanes inverse_x_, inverse_y_, inverse_z_;
+};
+
+/// A ray prepared for testing the boxes of all children of a wide node, a vector of them at a time. The arithmetic of a
+/// box is that of RayBoxes, so a box gives the same answer and distance in trees of any width.
+template <class Lanes>
+class RayWideBoxes {
+ public:
+  explicit RayWideBoxes(const BoxRay& ray) {
+    for (std::uint32_t a = 0; a < 3; ++a) {
+      const BoxRay::Axis& axis = ray[static_cast<int>(a)];
+      near_[a] = 2 * kMaxWidth * a + (axis.is_negative ? kMaxWidth : 0);
+      far_[a] = 2 * kMaxWidth * a + (axis.is_negative ? 0 : kMaxWidth);
+      ahead_[a] = Lanes::from_float(axis.ahead);
+      back_[a] = Lanes::from_float(axis.back);
+      inverse_[a] = Lanes::from_float(axis.inverse);
+    }
+  }
+
+  /// Returns the octant of the ray's direction: bit a is set if it is positive along axis a.
+  std::uint32_t octant() const {
+    std::uint32_t positive = 0;
+    for (std::uint32_t a = 0; a < 3; ++a) positive |= near_[a] < far_[a] ? 1U << a : 0U;
+    return positive;
+  }
+
+  /// Writes to `enter` the distances at which the ray enters the boxes of slots [0, kSlots), at least t_min. Returns a
+  /// bit for each slot whose box the ray enters before it leaves it and before `limit`.
+  template <std::uint32_t kSlots>
+  unsigned entry_distances(const WideNode& node, float t_min, float limit, float* enter) const {
+    const float* planes = &node.planes[0][0][0];
+    unsigned hits = 0;
+    for (std::uint32_t slot = 0; slot < kSlots; slot += Lanes::kLanes) {
+      const auto near = [&](int a) { return (Lanes::load(planes + near_[a] + slot) - ahead_[a]) * inverse_[a]; };
+      const auto far = [&](int a) { return (Lanes::load(planes + far_[a] + slot) - back_[a]) * inverse_[a]; };
+      const Lanes in = max(max(near(0), near(1)), max(near(2), Lanes::from_float(t_min)));
+      const Lanes out = min(min(far(0), far(1)), min(far(2), Lanes::from_float(limit)));
+      in.store(enter + slot);
+      hits |= less_equal_mask(in, out) << slot;
+    }
+    return hits;
+  }
+
+ private:
+  std::uint32_t near_[3], far_[3];  ///< where the near and far planes of each axis begin in a node
+  Lanes ahead_[3], back_[3], inverse_[3];
 };
 
 /// A 3D vector in each of four SIMD lanes.

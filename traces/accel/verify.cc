@@ -56,13 +56,13 @@ bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord&
   const glm::dmat3 linear = linear_part(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
   const glm::dvec3 direction = linear * glm::dvec3(ray.direction);
-  const NodeRecord& root = image.nodes[instance.root];
+  const Bounds root = tree_bounds(image, instance.root);
   double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
-  for (auto [planes, axis] : {std::pair{root.x, 0}, {root.y, 1}, {root.z, 2}}) {
+  for (int axis = 0; axis < 3; ++axis) {
     double stretch = 0;
     for (int column = 0; column < 3; ++column) stretch += std::abs(linear[column][axis]);
     const double margin = 1e-4 * image.diagonal() * stretch;
-    const double low = std::min(planes[0], planes[1]) - margin, high = std::max(planes[2], planes[3]) + margin;
+    const double low = root.lower[axis] - margin, high = root.upper[axis] + margin;
     if (direction[axis] == 0 && (origin[axis] < low || origin[axis] > high)) return false;
     if (direction[axis] == 0) continue;
     const double a = (low - origin[axis]) / direction[axis], b = (high - origin[axis]) / direction[axis];

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "sim/io/json.h"
 #include "traces/trace_file/tile_code.h"
@@ -18,11 +19,12 @@ namespace traces {
 
 using sim::Json;
 
-inline constexpr std::string_view kTraceMagic = "raywatt-trace/4\n";
-/// Magic of the previous version, which has no rasterisers and can still be read.
-inline constexpr std::string_view kFormerMagic = "raywatt-trace/3\n";
+inline constexpr std::string_view kTraceMagic = "raywatt-trace/5\n";
+/// Magics of former versions that can still be read, with their numbers: 4 has no wide trees, 3 no rasterisers.
+inline constexpr std::array<std::pair<std::string_view, int>, 2> kFormerMagics{
+    {{"raywatt-trace/4\n", 4}, {"raywatt-trace/3\n", 3}}};
 inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< start of the magic of all versions
-inline constexpr int kTraceVersion = 4;
+inline constexpr int kTraceVersion = 5;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8 bytes), their size (4), kTraceEnd (4)
 

@@ -84,13 +84,15 @@ void TraceReader::read_header() {
   if (size_ < kTraceMagic.size() + 4) throw sim::InputError("is no trace: too short");
   read_at({0, kTraceMagic.size() + 4}, start);
   if (!start.starts_with(kTraceKind)) throw sim::InputError("is no trace; raywatt trace record makes one");
-  if (!start.starts_with(kTraceMagic) && !start.starts_with(kFormerMagic)) {
+  const auto former =
+      std::ranges::find_if(kFormerMagics, [&](const auto& magic) { return start.starts_with(magic.first); });
+  if (!start.starts_with(kTraceMagic) && former == kFormerMagics.end()) {
     throw sim::InputError(
         fmt::format("is a trace of another format, '{}'; this program reads '{}', and "
                     "raywatt trace record makes one",
                     sim::printable(start.substr(0, start.find('\n'))), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
-  version_ = start.starts_with(kTraceMagic) ? kTraceVersion : kTraceVersion - 1;
+  version_ = former == kFormerMagics.end() ? kTraceVersion : former->second;
   const FileRange range{start.size(), load_unaligned<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (range.bytes > size_ - range.offset) throw sim::InputError("ends early");
   header_ = sim::parse_json(read_block(range, kMaxHeaderBytes));
@@ -105,7 +107,10 @@ void TraceReader::read_table_of_contents() {
   if (range.offset > size_ || range.bytes > size_ - range.offset) throw sim::InputError("footer is damaged");
   Json contents = sim::parse_json(read_block(range, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
-    trees_.push_back({range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
+    Tree& read =
+        trees_.emplace_back(range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts")));
+    if (tree.contains("slots")) read.slots = static_cast<std::uint32_t>(number_at(tree, "slots", kMaxWidth));
+    if (tree.contains("leaf_records")) read.leaf_records = range_of(tree.at("leaf_records"));
   }
   for (Json& json : contents.at("parts")) {
     Part part;
@@ -127,7 +132,11 @@ void TraceReader::read_table_of_contents() {
 TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return add_file_name_to_errors([&]() -> TileScope {
-    return {decode_child_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
+    Links links = decode_child_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts, tree.slots);
+    if (tree.leaf_records) {
+      links.begins_record = decode_records(read_block(*tree.leaf_records, kMaxTreeBytes), tree.counts.triangles);
+    }
+    return {std::move(links),
             tree.counts,
             kernels,
             part.requirements.region_bytes,

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,8 @@ class TraceReader {
     FileRange range;
     std::uint64_t nodes = 0;
     ImageCounts counts;
+    std::uint32_t slots = 0;                  ///< slots of a node of a wide tree; 0 for a binary tree
+    std::optional<FileRange> leaf_records{};  ///< where records of several triangles begin
   };
   static std::string damage_text(const sim::JsonError& error);
   [[noreturn]] void throw_error(const std::string& what) const;

@@ -92,7 +92,9 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
     links_ = std::move(links);
     counts_ = counts;
     Json tree = append_block(encode_child_links(links_));
-    tree["nodes"] = links_.nodes.size();
+    tree["nodes"] = links_.node_count();
+    if (links_.is_wide()) tree["slots"] = links_.slots;
+    if (!links_.begins_record.empty()) tree["leaf_records"] = append_block(encode_records(links_.begins_record));
     tree["counts"] = to_json(counts);
     trees.push_back(std::move(tree));
   }

@@ -1,6 +1,7 @@
 #include "traces/trace_file/tree_links.h"
 
 #include <algorithm>
+#include <span>
 
 #include "traces/trace_file/bytes.h"
 #include "traces/walk.h"
@@ -39,8 +40,15 @@ class Decoder {
         triangles_(std::min<std::uint64_t>(counts.triangles, kMaxTriangles)),
         has_levels_(counts.instances != 0) {}
 
-  Links decode_nodes(std::uint64_t nodes) {
-    links_.nodes.resize(nodes);
+  Links decode_nodes(std::uint64_t nodes, std::uint32_t slots) {
+    if (slots == 0) {
+      links_.nodes.resize(nodes);
+    } else {
+      std::array<std::uint32_t, kMaxWidth> none;
+      none.fill(kNoChild);
+      links_.wide_nodes.assign(nodes, none);
+      links_.slots = slots;
+    }
     depth_.assign(nodes, 0);
     is_upper_.assign(nodes, false);
     seen_.assign(counts_.instances, false);
@@ -48,7 +56,8 @@ class Decoder {
     for (std::uint32_t node = 0; node < nodes; ++node) {
       if (depth_[node] == 0) begin_tree(node);
       if (depth_[node] > kMaxTreeDepth) throw sim::InputError("tree: is too deep; allowed: 128 levels");
-      for (std::uint32_t& link : links_.nodes[node]) link = decode_child(node);
+      for (std::uint32_t& link : links_.children_of(node)) link = decode_child(node);
+      if (links_.is_wide()) check_children(node);
     }
     if (trees_.size() != counts_.trees) throw sim::InputError("tree: has not as many trees as it says");
     read_instances();
@@ -64,14 +73,20 @@ class Decoder {
     depth_[node] = 1;
   }
 
+  void check_children(std::uint32_t node) const {
+    const std::span<const std::uint32_t> links = links_.children_of(node);
+    const auto children = static_cast<std::ptrdiff_t>(links.size()) - std::ranges::count(links, kNoChild);
+    if (children < 2 && depth_[node] != 1) throw sim::InputError("tree: a node has fewer than two children");
+  }
+
   std::uint32_t decode_child(std::uint32_t node) {
     const std::uint64_t code = from_.read_number();
-    if (code == kNothing && depth_[node] == 1) return kNoChild;
+    if (code == kNothing && (depth_[node] == 1 || links_.is_wide())) return kNoChild;
     return (code & 1) == 0 ? decode_inner(node, code >> 1) : decode_leaf(node, code);
   }
 
   std::uint32_t decode_inner(std::uint32_t node, std::uint64_t distance) {
-    if (distance == 0 || distance >= links_.nodes.size() - node) ByteReader::throw_out_of_range("tree: a child");
+    if (distance == 0 || distance >= links_.node_count() - node) ByteReader::throw_out_of_range("tree: a child");
     const std::uint32_t link = node + static_cast<std::uint32_t>(distance);
     if (depth_[link] != 0) throw sim::InputError("tree: a node has two parents");
     depth_[link] = static_cast<std::uint8_t>(depth_[node] + 1);
@@ -123,6 +138,9 @@ class Decoder {
 Links links_of(const MemoryImage& image) {
   Links links;
   for (const NodeRecord& node : image.nodes) links.nodes.push_back({node.child[0], node.child[1]});
+  for (const WideNode& node : image.wide_nodes) std::ranges::copy(node.child, links.wide_nodes.emplace_back().begin());
+  if (image.is_wide()) links.slots = image.wide_slots();
+  links.begins_record = image.begins_record;
   for (const std::uint32_t tree : image.tree_of) {
     links.roots.push_back(tree == kNone ? kNone : image.trees[tree].first_node);
   }
@@ -133,8 +151,8 @@ std::string encode_child_links(const Links& links) {
   std::string out;
   ByteWriter to(out);
   LeafEnds ends;
-  for (std::uint32_t node = 0; node < links.nodes.size(); ++node) {
-    for (const std::uint32_t link : links.nodes[node]) {
+  for (std::uint32_t node = 0; node < links.node_count(); ++node) {
+    for (const std::uint32_t link : links.children_of(node)) {
       to.write_number(link == kNoChild ? kNothing
                       : is_leaf(link)  ? leaf_code(link, ends)
                                        : std::uint64_t{link - node} << 1);
@@ -151,12 +169,29 @@ std::string encode_child_links(const Links& links) {
   return out;
 }
 
-Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
+std::string encode_records(const std::vector<bool>& begins_record) {
+  std::string out((begins_record.size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < begins_record.size(); ++i) {
+    if (begins_record[i]) out[i / 8] = static_cast<char>(out[i / 8] | 1 << (i % 8));
+  }
+  return out;
+}
+
+std::vector<bool> decode_records(std::string_view bytes, std::uint64_t triangles) {
+  if (bytes.size() != (triangles + 7) / 8) ByteReader::throw_out_of_range("tree: number of leaf records");
+  std::vector<bool> begins(triangles);
+  for (std::size_t i = 0; i < triangles; ++i) begins[i] = (bytes[i / 8] >> (i % 8) & 1) != 0;
+  if (triangles != 0 && !begins[0]) throw sim::InputError("tree: the first leaf record has no beginning");
+  return begins;
+}
+
+Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts, std::uint32_t slots) {
   // Each child and each instance takes at least one byte.
-  if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size())
+  const std::uint64_t per_node = slots == 0 ? 2 : slots;
+  if (nodes == 0 || nodes > kMaxNodes || per_node * nodes > bytes.size())
     ByteReader::throw_out_of_range("tree: number of nodes");
-  if (counts.instances > bytes.size() - 2 * nodes) ByteReader::throw_out_of_range("tree: number of instances");
-  return Decoder(bytes, counts).decode_nodes(nodes);
+  if (counts.instances > bytes.size() - per_node * nodes) ByteReader::throw_out_of_range("tree: number of instances");
+  return Decoder(bytes, counts).decode_nodes(nodes, slots);
 }
 
 }  // namespace traces

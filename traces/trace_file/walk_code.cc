@@ -38,11 +38,32 @@ constexpr bool are_tested(std::uint32_t phases, std::uint32_t tested) {
   return tested != 0 && nonzero_phases(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
 }
 
-/// Bits of the number of culled entries; a stack has kMaxTreeDepth entries per level.
+/// Bits of the number of culled entries. A stack has kMaxTreeDepth entries per level, in wide trees up to
+/// kMaxWidth - 1 times that number.
 constexpr std::uint32_t kCullBits = 7;
 static_assert(kMaxTreeDepth == 1U << kCullBits);
-constexpr std::uint32_t cull_bits(bool levels) { return kCullBits + (levels ? 1 : 0); }
-constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
+constexpr std::uint32_t cull_bits(bool wide, bool levels) {
+  return kCullBits + (wide ? kSlotBits : 0) + (levels ? 1 : 0);
+}
+constexpr std::size_t stack_size(bool wide) {
+  return (2 * std::size_t{kMaxTreeDepth} + 1) * (wide ? kMaxWidth - 1 : 1);
+}
+
+/// Returns the bits that name one of `count` things.
+constexpr std::uint32_t choice_bits(std::uint32_t count) {
+  return count < 2 ? 0 : static_cast<std::uint32_t>(std::bit_width(count - 1));
+}
+
+/// Returns the position of a slot among the slots of `mask`, in slot order.
+constexpr std::uint32_t position_in(std::uint32_t mask, std::uint32_t slot) {
+  return static_cast<std::uint32_t>(std::popcount(mask & ((1U << slot) - 1)));
+}
+
+/// Returns the slot at a position among the slots of `mask`.
+constexpr std::uint32_t slot_at(std::uint32_t mask, std::uint32_t position) {
+  for (; position != 0; --position) mask &= mask - 1;
+  return static_cast<std::uint32_t>(std::countr_zero(mask));
+}
 
 [[noreturn]] void throw_invalid_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
@@ -76,10 +97,16 @@ struct NoBits {
 };
 
 /// Checks, word by word, whether recorded walks of rays are possible in a BVH.
+template <bool kWide>
 class WalkChecker {
  public:
   WalkChecker(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
-      : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
+      : links_(nodes_of(links)),
+        roots_(links.roots),
+        slots_(links.slots),
+        cull_bits_(cull_bits(kWide, !links.roots.empty())),
+        at_(words),
+        end_(end) {}
 
   const std::uint32_t* next_word() const { return at_; }
   const WalkSteps& step_counts() const { return steps_; }
@@ -91,7 +118,14 @@ class WalkChecker {
     for (;;) {
       if (at_ == end_) return false;
       const std::uint32_t word = *at_++;
-      if (!is_leaf(link)) {
+      if (kWide && !is_leaf(link)) {
+        std::uint32_t hits = 0;
+        if (!follow_wide_visit(out, link, word, depth, hits)) return false;
+        if (hits != 0) {
+          link = links_[link][hit_slot_of(hits, 0)];
+          continue;
+        }
+      } else if (!is_leaf(link)) {
         const std::uint32_t code = word >> 27;
         if (link >= links_.size() || node_of(word) != link || code > 7 || ((1U << code) & 0x70U) != 0) return false;
         steps_.visits += 1;
@@ -137,6 +171,36 @@ class WalkChecker {
   }
 
  private:
+  using Nodes = std::vector<std::array<std::uint32_t, kWide ? kMaxWidth : 2>>;
+  static const Nodes& nodes_of(const Links& links) {
+    if constexpr (kWide) {
+      return links.wide_nodes;
+    } else {
+      return links.nodes;
+    }
+  }
+
+  /// Checks the two words of a wide visit and pushes all hit children but the nearest.
+  template <class Bits>
+  bool follow_wide_visit(Bits& out, std::uint32_t link, std::uint32_t word, std::uint32_t& depth, std::uint32_t& hits) {
+    if (link >= links_.size() || word != wide_step(link) || at_ == end_) return false;
+    hits = *at_++;
+    steps_.visits += 1;
+    std::uint32_t left = hit_mask_of(hits);
+    if (left >> slots_ != 0) return false;
+    out.put_bits(left, slots_);
+    const std::uint32_t count = hit_count_of(hits);
+    if ((hits & ((1U << (kMaxWidth * kSlotBits)) - 1)) >> (kSlotBits * count) != 0) return false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t slot = hit_slot_of(hits, i);
+      if ((left >> slot & 1U) == 0 || links_[link][slot] == kNoChild) return false;
+      out.put_bits(position_in(left, slot), choice_bits(count - i));
+      left &= ~(1U << slot);
+    }
+    for (std::uint32_t i = count; i-- > 1;) stack_[depth++] = links_[link][hit_slot_of(hits, i)];
+    return true;
+  }
+
   template <class Bits>
   bool leave_leaf(Bits& out, std::uint32_t link, std::uint32_t word) {
     if (kind_of(word) != StepKind::kLeaf || first_of(word) != leaf_first(link) || at_ == end_) return false;
@@ -147,22 +211,22 @@ class WalkChecker {
     return true;
   }
 
-  const std::vector<std::array<std::uint32_t, 2>>& links_;
+  const Nodes& links_;
   const std::vector<std::uint32_t>& roots_;
+  const std::uint32_t slots_;
   const std::uint32_t cull_bits_;
   const std::uint32_t *at_, *end_;
   WalkSteps steps_;
-  std::array<std::uint32_t, kStackSize> stack_;
+  std::array<std::uint32_t, stack_size(kWide)> stack_;
 };
 
-}  // namespace
-
-bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
+template <bool kWide>
+bool encode_checked(const TileWork& work, const Links& links, std::string& out) {
   const std::size_t before = out.size();
   out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word takes at most 4 bytes
   BitWriter bits(out.data() + before);
   const std::uint32_t* begin = work.walk.data();
-  WalkChecker follower(links, begin, begin + work.walk.size());
+  WalkChecker<kWide> follower(links, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
     good = follower.next_word() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
@@ -172,12 +236,10 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   return good;
 }
 
-WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {
-  work.walk.resize(bytes.size() / 4);
-  if (!bytes.empty()) std::memcpy(work.walk.data(), bytes.data(), bytes.size());
-  work.ray_begin.resize(rays);
+template <bool kWide>
+WalkSteps check_plain_walks(const Links& links, TileWork& work) {
   const std::uint32_t* begin = work.walk.data();
-  WalkChecker follower(links, begin, begin + work.walk.size());
+  WalkChecker<kWide> follower(links, begin, begin + work.walk.size());
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
     at = static_cast<std::uint32_t>(follower.next_word() - begin);
@@ -185,6 +247,19 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
   }
   if (follower.next_word() != begin + work.walk.size()) throw_invalid_walk();
   return follower.step_counts();
+}
+
+}  // namespace
+
+bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
+  return links.is_wide() ? encode_checked<true>(work, links, out) : encode_checked<false>(work, links, out);
+}
+
+WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {
+  work.walk.resize(bytes.size() / 4);
+  if (!bytes.empty()) std::memcpy(work.walk.data(), bytes.data(), bytes.size());
+  work.ray_begin.resize(rays);
+  return links.is_wide() ? check_plain_walks<true>(links, work) : check_plain_walks<false>(links, work);
 }
 
 namespace {
@@ -235,20 +310,56 @@ inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Curso
   return size;
 }
 
+/// Decodes the hit children of a wide visit from the next bits and pushes all but the nearest. Returns the visit's
+/// second word.
+inline std::uint32_t decode_wide_visit(std::uint64_t window, const std::array<std::uint32_t, kMaxWidth>& children,
+                                       std::uint32_t slots, std::uint32_t* stack, std::uint32_t& depth,
+                                       std::uint32_t& used) {
+  const auto mask = static_cast<std::uint32_t>(window) & ((1U << slots) - 1);
+  used = slots;
+  std::uint32_t left = mask, order = 0, count = 0;
+  for (auto more = static_cast<std::uint32_t>(std::popcount(mask)); more != 0; --more, ++count) {
+    const std::uint32_t bits = choice_bits(more);
+    const std::uint32_t position = static_cast<std::uint32_t>(window >> used) & ((1U << bits) - 1);
+    if (position >= more) throw_invalid_walk();
+    const std::uint32_t slot = slot_at(left, position);
+    if (children[slot] == kNoChild) throw_invalid_walk();
+    used += bits;
+    order |= slot << (kSlotBits * count);
+    left &= ~(1U << slot);
+  }
+  for (; count > 1; --count) stack[depth++] = children[hit_slot_of(order, count - 1)];
+  return wide_hits(mask, order);
+}
+
 /// Decodes the recorded walk of one ray.
-template <bool kLevels>
+template <bool kLevels, bool kWide>
 inline void decode_walk(const Links& links, Cursor& c) {
   const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
-  const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
+  const auto nodes = static_cast<std::uint32_t>(links.node_count());
   // Which child is entered first, for each code of a visit.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
-  std::array<std::uint32_t, kStackSize> stack;
+  std::array<std::uint32_t, stack_size(kWide)> stack;
   std::uint32_t link = 0, depth = 0;
   for (;;) {
     if (c.at >= c.end) throw_invalid_walk();
     if (c.out >= c.last) c.grow_output();
     std::uint64_t window = load_unaligned<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
-    if (!is_leaf(link)) {
+    if (kWide && !is_leaf(link)) {
+      if (link >= nodes) throw_invalid_walk();
+      const auto& children = links.wide_nodes[link];
+      std::uint32_t used = 0;
+      const std::uint32_t hits = decode_wide_visit(window, children, links.slots, stack.data(), depth, used);
+      *c.out++ = wide_step(link);
+      *c.out++ = hits;
+      c.steps.visits += 1;
+      c.at += used;
+      if (hits != 0) {
+        link = children[hit_slot_of(hits, 0)];
+        continue;
+      }
+      window >>= used;
+    } else if (!is_leaf(link)) {
       const std::uint32_t code = window & 7;
       if (link >= nodes || ((1U << code) & 0x70U) != 0) throw_invalid_walk();
       *c.out++ = code << 27 | link;
@@ -281,8 +392,8 @@ inline void decode_walk(const Links& links, Cursor& c) {
       }
       window >>= 2;
       if (pop == kCullSome) {
-        const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
-        c.at += cull_bits(kLevels);
+        const auto culled = static_cast<std::uint32_t>(window & ((1U << cull_bits(kWide, kLevels)) - 1));
+        c.at += cull_bits(kWide, kLevels);
         if (culled == 0 || culled >= depth) throw_invalid_walk();
         *c.out++ = cull_step(culled);
         depth -= culled;
@@ -298,14 +409,14 @@ inline void decode_walk(const Links& links, Cursor& c) {
 }
 
 /// Decodes the recorded walks of rays through a BVH of one or two levels.
-template <bool kLevels>
+template <bool kLevels, bool kWide>
 WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                         TileWork& work) {
   Cursor c(bits, words, work.walk);
   work.ray_begin.resize(rays);
   for (std::uint32_t& ray : work.ray_begin) {
     ray = c.word_count();
-    decode_walk<kLevels>(links, c);
+    decode_walk<kLevels, kWide>(links, c);
   }
   if (c.word_count() != words || (c.at + 7) / 8 != bits.size()) throw_invalid_walk();
   work.walk.resize(words);
@@ -316,8 +427,12 @@ WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t
 
 WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                        TileWork& work) {
-  return links.roots.empty() ? decode_levels<false>(bits, links, rays, words, work)
-                             : decode_levels<true>(bits, links, rays, words, work);
+  if (links.is_wide()) {
+    return links.roots.empty() ? decode_levels<false, true>(bits, links, rays, words, work)
+                               : decode_levels<true, true>(bits, links, rays, words, work);
+  }
+  return links.roots.empty() ? decode_levels<false, false>(bits, links, rays, words, work)
+                             : decode_levels<true, false>(bits, links, rays, words, work);
 }
 
 }  // namespace traces

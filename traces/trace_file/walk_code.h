@@ -13,12 +13,15 @@ namespace traces {
 // the next node. Bits are stored lowest first, one ray after the other:
 //
 //   visit     near(1) hits(2), hits lowest
+//   wide      a bit per slot that may have a child: which are hit; then, for each hit child but the last, nearest
+//   first:
+//             its position among the hit children that are left, in slot order, in as few bits as their number allows
 //   enter     none: the instance and its root follow from the tree
 //   leaf      2 bits for each triangle of the leaf: its exit phase, or 0 if it was not tested
 //   pop       if a step is followed by a pop or the end, and the stack is not empty:
 //             0  the youngest entry is next           1  all entries are culled: the end
-//             2  the end, with entries left           3  a cull count of 7 bits (8 with two levels) follows; the entry
-//                                                        after the culled ones is next
+//             2  the end, with entries left           3  a cull count follows, of 7 bits, in wide trees 10, with two
+//                                                        levels one more; the entry after the culled ones is next
 //   end       hit(1)
 
 /// Number of readable bytes that must follow the encoded bits; their values do not matter.

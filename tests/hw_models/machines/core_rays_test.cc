@@ -35,7 +35,7 @@ class CoreRaysTest : public testing::Test {
 TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
   const std::vector<traces::Ray> list = rays(image_, 2 * kBlock + 8);
   std::vector<std::uint32_t> finished;
-  CoreRays core(list, tracer_, 0, 1, [&](std::uint32_t count, sim::Time) {
+  CoreRays core(list, traces::RayKind::kPrimary, tracer_, 0, 1, [&](std::uint32_t count, sim::Time) {
     finished.push_back(count);
     return true;
   });
@@ -54,7 +54,8 @@ TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
 TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopOnRequest) {
   const std::vector<traces::Ray> list = rays(image_, 5 * kBlock);
   std::uint32_t finished = 0;
-  CoreRays core(list, tracer_, 1, 2, [&](std::uint32_t, sim::Time) { return ++finished < 1; });
+  CoreRays core(list, traces::RayKind::kPrimary, tracer_, 1, 2,
+                [&](std::uint32_t, sim::Time) { return ++finished < 1; });
   ASSERT_EQ(core.ray_count(), 2 * kBlock) << "the second and the fourth block";
   for (std::uint32_t ray = 0; ray < kBlock; ++ray) {
     core.ray_walk(ray);

@@ -198,7 +198,7 @@ TEST_F(Replay, InfoDescribesTheFile) {
   EXPECT_GT(info["rays"], report["totals"]["rays"]["total"]) << "the reference's, too";
   EXPECT_EQ(info["function"]["render.width"], "64");
   EXPECT_FALSE(info["function"].contains("cores"));
-  EXPECT_SAYS(raywatt({"trace", "info", trace()}).out, "raywatt-trace/4");
+  EXPECT_SAYS(raywatt({"trace", "info", trace()}).out, "raywatt-trace/5");
 }
 
 TEST_F(Replay, BadFilesAreRefusedInOneLine) {
@@ -214,7 +214,7 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
   is_refused(good + "more", {trace(), "with something other than a footer"});
   std::string first_line = good;
   first_line[14] = '\0';
-  is_refused(first_line, {trace(), "another format", "this program reads 'raywatt-trace/4'", "record makes one"});
+  is_refused(first_line, {trace(), "another format", "this program reads 'raywatt-trace/5'", "record makes one"});
   std::string bad = good;
   bad[30] = '\x7f';
   is_refused(bad, {trace(), "damaged"});
@@ -227,7 +227,7 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
 }
 
 TEST_F(Replay, BadFilesThatGrowWhenTheyAreReadAreRefusedInOneLine) {
-  const std::string begin = "raywatt-trace/4\n", end = "end\n";
+  const std::string begin = "raywatt-trace/5\n", end = "end\n";
   const auto file = [&](const std::string& header, const std::string& contents) {
     const std::string first = block(header), last = block(contents);
     const std::string start = begin + number(first.size(), 4) + first;

@@ -291,5 +291,57 @@ TEST(TileCode, WalksThroughInstancesAreRestoredAndEntersTakeNoBits) {
   }
 }
 
+/// Expects that walks through a wide tree are restored, and that any change of their bytes gives a valid tile or an
+/// error.
+void expect_wide_walks(const Scene& scene, const BvhConfig& config) {
+  const MemoryImage image = build_memory_image(scene, config, 1);
+  const TileScope scope{links_of(image), counts_of(image), 1, {}};
+  EXPECT_EQ(scope.links.slots, config.format == NodeFormat::kCw80 ? 8 : config.width);
+  for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+    for (const auto& rays : {random_rays(500), grid_rays(500)}) {
+      const TileWork tile = rays_through(image, kind, rays);
+      const std::string bytes = encode(tile, scope.links);
+      TileWork back;
+      decode(bytes, scope, back);
+      ASSERT_TRUE(same(tile, back));
+      EXPECT_LT(bytes.size(), tile.walk.size() + 32) << "a byte a word";
+    }
+  }
+  expect_tile_or_complaint(scope, rays_through(image, RayKind::kPrimary, random_rays(30)));
+}
+
+TEST(TileCode, WalksThroughWideTreesAreRestored) {
+  for (const std::uint32_t width : {2U, 4U, 6U, 8U}) {
+    for (const NodeFormat format : {NodeFormat::kFp32, NodeFormat::kQ8, NodeFormat::kCw80}) {
+      if (width == 2 && format == NodeFormat::kFp32) continue;
+      SCOPED_TRACE(testing::Message() << width << " " << names_of(format)[static_cast<std::size_t>(format)]);
+      expect_wide_walks(with_transparent_triangles(triangle_soup(1000, 0.3F)),
+                        {.leaf_size = 3, .width = width, .format = format});
+      expect_wide_walks(scattered(80),
+                        {.leaf_size = 3, .instances = InstanceLevels::kTwoLevel, .width = width, .format = format});
+    }
+  }
+}
+
+TEST(TileCode, WideWalksThatTheTreeDoesNotAllowAreStoredAsWordsAndRefused) {
+  const MemoryImage image = build_memory_image(triangle_soup(50, 0.3F), {.width = 4}, 1);
+  const TileScope scope{links_of(image), counts_of(image), 1, {}};
+  const TileWork good = rays_through(image, RayKind::kPrimary, {{{0.1F, 0.2F, -4}, 0, {0, 0, 1}}});
+  ASSERT_EQ(good.walk[0], wide_step(0));
+  ASSERT_GT(hit_count_of(good.walk[1]), 1U);
+  const auto is_refused = [&](std::uint32_t word, std::uint32_t value) {
+    TileWork bad = good;
+    bad.walk[word] = value;
+    TileWork back;
+    EXPECT_THROW(decode(encode(bad, scope.links), scope, back), sim::InputError);
+  };
+  const std::uint32_t mask = hit_mask_of(good.walk[1]);
+  is_refused(0, visit_step(0, 1, 0));                                // a binary visit
+  is_refused(0, wide_step(1));                                       // another node
+  is_refused(1, wide_hits(mask | 0x10, 0));                          // a slot that the tree has not
+  is_refused(1, wide_hits(mask, hit_slot_of(good.walk[1], 0) * 9));  // a slot twice
+  is_refused(1, good.walk[1] | 7U << 21);                            // a slot after the hit ones
+}
+
 }  // namespace
 }  // namespace traces

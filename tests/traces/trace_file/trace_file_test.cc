@@ -72,6 +72,39 @@ void read_all(const std::filesystem::path& path) {
   }
 }
 
+TEST(TraceFile, ReturnsWideTreesWithTheirSlotsAndLeafRecords) {
+  const Folder folder;
+  const auto path = folder.path() / "wide.trace";
+  Links wide;
+  wide.slots = 6;
+  wide.wide_nodes.assign(2, {kNoChild, kNoChild, kNoChild, kNoChild, kNoChild, kNoChild, kNoChild, kNoChild});
+  wide.wide_nodes[0] = {leaf_link(0, 2), 1, leaf_link(2, 1), kNoChild, kNoChild, kNoChild, kNoChild, kNoChild};
+  wide.wide_nodes[1][4] = leaf_link(3, 1);
+  wide.wide_nodes[1][5] = leaf_link(4, 1);
+  wide.begins_record = {true, false, true, true, true};
+  const ImageCounts counts{.triangles = 5, .attributes = 5, .materials = 1, .textures = {}};
+  {
+    TraceWriter trace(path, {{"program", "full:1"}});
+    trace.begin_part({}, wide, counts, kDemands);
+    trace.end_part({{"rays", 1}});
+    trace.commit();
+  }
+  const TraceReader trace(path);
+  EXPECT_EQ(trace.file_version(), kTraceVersion);
+  EXPECT_EQ(trace.tile_scope(trace.parts().at(0), 1).links, wide);
+}
+
+TEST(TraceFile, ReadsFilesOfVersion4) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace";
+  write(path);
+  std::string bytes = bytes_of(path);
+  bytes[kTraceMagic.size() - 2] = '4';
+  const auto former = folder.write("former.trace", bytes);
+  EXPECT_EQ(TraceReader(former).file_version(), 4);
+  read_all(former);
+}
+
 TEST(TraceFile, ReturnsItsPartsTreesAndTilesInAnyOrder) {
   const Folder folder;
   const auto path = folder.path() / "a.trace";
@@ -183,7 +216,7 @@ TEST(TraceFile, OtherFilesAreNeitherReplacedNorRead) {
             "long: is no trace; raywatt trace record makes one");
   EXPECT_EQ(
       complaint_of(folder.write("former", "raywatt-trace/2\n" + std::string(100, 'x'))),
-      "former: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/4', and raywatt "
+      "former: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/5', and raywatt "
       "trace record makes one");
   EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");

@@ -21,6 +21,7 @@ struct JobOptions {
   std::vector<std::string> ideal;  ///< names of ideal resources
   std::uint32_t threads = 0;       ///< host threads; 0: all cores
   std::filesystem::path rays;      ///< file of rays in place of a camera; empty: none
+  bool any_hit = false;            ///< rays of the file end at their first hit
   std::filesystem::path record;    ///< trace file to write; empty: none
   std::filesystem::path out;       ///< folder for results; empty: a dated folder below raywatt-out/
   bool force = false;

@@ -212,8 +212,8 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
   inputs_->config = config;
   ProgramResult out;
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
-  out.box_bytes = records * traces::box_bytes(config.bvh.numbers, config.bvh.boxes);
-  out.node_bytes = records * traces::node_bytes(config.bvh.numbers, config.bvh.boxes);
+  out.box_bytes = records * traces::box_bytes(config.bvh.box_numbers(), config.bvh.boxes);
+  out.node_bytes = inputs_->image.node_array_bytes();
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
   const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};

@@ -25,6 +25,13 @@ inline void set_box(NodeRecord& node, int child, const Bounds& b) {
   }
 }
 
+inline void set_box(WideNode& node, std::uint32_t slot, const Bounds& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.planes[axis][0][slot] = b.lower[axis];
+    node.planes[axis][1][slot] = b.upper[axis];
+  }
+}
+
 /// Builds bounding volume hierarchies with Embree's builder.
 class BvhBuilder {
  public:

@@ -13,7 +13,10 @@
 #include "sim/error.h"
 #include "traces/accel/build.h"
 #include "traces/accel/build/bvh_build.h"
+#include "traces/accel/build/collapse.h"
 #include "traces/accel/build/flatten.h"
+#include "traces/accel/leaf_format.h"
+#include "traces/accel/wide_format.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -143,18 +146,35 @@ void store_shading(const ShadingRecords& shading, const ObjectTree& tree, Memory
   }
 }
 
-/// Builds the tree of a mesh, appends its nodes to the image and sorts its triangles into leaf order.
-void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
-  const std::span<TriangleRecord> triangles = tree_records(image.triangles, tree);
-  const FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
-  reorder_records(triangles, bvh.order);
-  tree.first_node = static_cast<std::uint32_t>(image.nodes.size());
-  for (NodeRecord node : bvh.nodes) {
+/// Appends the nodes of a tree and moves their links to the places of the tree's nodes and triangles.
+template <class Node>
+void append_nodes(const std::vector<Node>& nodes, const ObjectTree& tree, std::vector<Node>& all) {
+  for (Node node : nodes) {
     for (std::uint32_t& link : node.child) {
       if (link != kNoChild) link += is_leaf(link) ? tree.first_triangle : tree.first_node;
     }
-    image.nodes.push_back(node);
+    all.push_back(node);
   }
+}
+
+/// Builds the tree of a mesh, appends its nodes to the image and sorts its triangles into leaf order.
+void add_tree(const BvhBuilder& builder, const BvhConfig& config, ObjectTree& tree, MemoryImage& image) {
+  const std::span<TriangleRecord> triangles = tree_records(image.triangles, tree);
+  FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
+  tree.first_node = static_cast<std::uint32_t>(image.node_count());
+  if (config.is_wide()) {
+    WideBvh wide = collapse_tree(bvh, config, most_merged_triangles(config));
+    bvh.order = std::move(wide.order);
+    if (is_quantised(image.wide_format)) quantise_nodes(wide.nodes, image.wide_format);
+    append_nodes(wide.nodes, tree, image.wide_nodes);
+  } else {
+    append_nodes(bvh.nodes, tree, image.nodes);
+  }
+  if (image.leaf_format != LeafFormat::kTriangles) {
+    arrange_leaves(triangles, triangle_leaves(image, tree.first_node), image.leaf_format, bvh.order,
+                   image.begins_record, tree.first_triangle);
+  }
+  reorder_records(triangles, bvh.order);
 }
 
 /// Returns an instance's box, enlarged so that no ray misses it through rounding.
@@ -176,9 +196,39 @@ Bounds pad_box(Bounds box, const Placement& placement, const glm::mat4& to_world
   return box;
 }
 
+/// Makes the leaves of the tree over instances name the instances.
+template <class Node>
+void name_instances(std::vector<Node>& top, const std::vector<std::uint32_t>& order,
+                    const std::vector<std::uint32_t>& shown) {
+  for (Node& node : top) {
+    for (std::uint32_t& link : node.child) {
+      if (is_leaf(link)) link = instance_link(shown[order[leaf_first(link)]]);
+    }
+  }
+}
+
+/// Replaces the wide tree over instances, and moves the trees below it to the nodes after it.
+void replace_top(const std::vector<WideNode>& top, MemoryImage& image) {
+  std::vector<WideNode>& nodes = image.wide_nodes;
+  const std::size_t before = image.trees.empty() ? nodes.size() : image.trees.front().first_node;
+  const auto moved = static_cast<std::uint32_t>(top.size() - before);  // modulo 2^32
+  nodes.erase(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(before));
+  for (WideNode& node : nodes) {
+    for (std::uint32_t& link : node.child) {
+      if (!is_leaf(link) && link != kNoChild) link += moved;
+    }
+  }
+  nodes.insert(nodes.begin(), top.begin(), top.end());
+  for (ObjectTree& tree : image.trees) tree.first_node += moved;
+  for (std::size_t i = 0; i < image.instances.size(); ++i) {
+    if (image.tree_of[i] != kNone) image.instances[i].root = image.trees[image.tree_of[i]].first_node;
+  }
+}
+
 /// Fills the instance records, the tree over instances and the scene's bounds. The tree takes the first nodes of the
-/// image, which are already allocated.
-void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder& builder, MemoryImage& image) {
+/// image; those of a binary tree are already allocated.
+void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder& builder, const BvhConfig& config,
+                     MemoryImage& image) {
   std::vector<Bounds> boxes;
   std::vector<std::uint32_t> shown;
   Bounds all;
@@ -205,13 +255,16 @@ void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder&
   for (std::size_t k = 0; k < shown.size(); ++k) {
     boxes[k] = pad_box(boxes[k], plan.placements[shown[k]], scene.instances[shown[k]].to_world, all);
   }
-  const FlatBvh top = builder.build_over(std::span<const Bounds>(boxes));
-  std::ranges::copy(top.nodes, image.nodes.begin());
-  for (NodeRecord& node : std::span(image.nodes).first(top.nodes.size())) {
-    for (std::uint32_t& link : node.child) {
-      if (is_leaf(link)) link = instance_link(shown[top.order[leaf_first(link)]]);
-    }
+  FlatBvh top = builder.build_over(std::span<const Bounds>(boxes));
+  if (!config.is_wide()) {
+    name_instances(top.nodes, top.order, shown);
+    std::ranges::copy(top.nodes, image.nodes.begin());
+    return;
   }
+  WideBvh wide = collapse_tree(top, config, 1);
+  if (is_quantised(image.wide_format)) quantise_nodes(wide.nodes, image.wide_format);
+  name_instances(wide.nodes, wide.order, shown);
+  replace_top(wide.nodes, image);
 }
 
 /// Returns the number of inner nodes of a tree with `leaves` leaves of one item each.
@@ -233,15 +286,22 @@ MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials
   }
   const BvhBuilder builder(config, threads, stop);
   const auto shown = std::ranges::count_if(plan.tree_of, [](std::uint32_t tree) { return tree != kNone; });
-  image.nodes.resize(inner_node_count(static_cast<std::size_t>(shown)));
-  for (ObjectTree& tree : image.trees) add_tree(builder, tree, image);
+  image.leaf_format = config.leaf;
+  if (config.is_wide()) {
+    image.wide_format = config.node_format();
+    image.width = config.width;
+    image.child_order = config.order;
+  } else {
+    image.nodes.resize(inner_node_count(static_cast<std::size_t>(shown)));
+  }
+  for (ObjectTree& tree : image.trees) add_tree(builder, config, tree, image);
   image.attributes.resize(plan.triangles);
   if (materials.needs_vertices) image.vertices.resize(plan.triangles);
   for (const ObjectTree& tree : image.trees) {
     const PlacedMesh placed = placed_mesh_of(scene, tree);
     store_shading(shading_records({&placed, 1}, materials), tree, image);
   }
-  place_instances(scene, plan, builder, image);
+  place_instances(scene, plan, builder, config, image);
   return image;
 }
 
@@ -253,7 +313,9 @@ bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned thr
   const BvhBuilder builder(config, threads, stop);
   const bool refits = config.update == BvhUpdate::kRefit;
   const auto own = std::ranges::find_if(image.trees, [](const ObjectTree& tree) { return tree.only != kNone; });
-  if (!refits && own != image.trees.end()) image.nodes.resize(own->first_node);
+  if (!refits && own != image.trees.end()) {
+    config.is_wide() ? image.wide_nodes.resize(own->first_node) : image.nodes.resize(own->first_node);
+  }
   for (auto tree = own; tree != image.trees.end(); ++tree) {
     const PlacedMesh placed = placed_mesh_of(posed, *tree);
     std::vector<TriangleRecord> moved;
@@ -261,16 +323,19 @@ bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned thr
     if (refits) {
       for (TriangleRecord& t : tree_records(image.triangles, *tree)) t = moved[t.source];
       recompute_boxes(image, tree->first_node,
-                      tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
+                      tree + 1 == image.trees.end() ? image.node_count() : (tree + 1)->first_node);
     } else {
       std::ranges::copy(moved, tree_records(image.triangles, *tree).begin());
-      add_tree(builder, *tree, image);
+      add_tree(builder, config, *tree, image);
     }
     store_shading(shading_records({&placed, 1}, materials), *tree, image);
   }
-  place_instances(posed, plan, builder, image);
+  place_instances(posed, plan, builder, config, image);
+  if (refits && image.leaf_format != LeafFormat::kTriangles) {
+    cut_records(image.triangles, triangle_leaves(image), image.leaf_format, image.begins_record);
+  }
   image.lights = posed.lights;
-  image.layout = layout_of(counts_of(image), image.nodes, config);
+  image.layout = layout_of(counts_of(image), image, config);
   return true;
 }
 
