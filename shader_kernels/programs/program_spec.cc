@@ -59,10 +59,10 @@ ProgramSpec parse_program(std::string_view text) {
   for (const Named& named : kNamed) {
     if (named.name == text) return named.spec;
   }
-  if (text == "full") return {};
   constexpr std::string_view kFull = "full:";
+  if (text == "full") return parse_full(text, "");
   if (text.starts_with(kFull)) return parse_full(text, text.substr(kFull.size()));
-  std::string all = "full:N (N samples per pixel, a square; full is full:1)";
+  std::string all = "full:N (N samples per pixel, a square)";
   for (const Named& named : kNamed) {
     if (named.spec.kind != ProgramSpec::Kind::kFull) all += fmt::format(", {}", named.name);
   }

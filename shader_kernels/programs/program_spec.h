@@ -14,7 +14,7 @@ struct ProgramSpec {
   std::string name() const;
 };
 
-/// Parses the name of a frame program, such as "full:4" or "multirate:under"; "full" means full:1. Throws
+/// Parses the name of a frame program, such as "full:4" or "multirate:under". Throws
 /// sim::InputError with the allowed programs.
 ProgramSpec parse_program(std::string_view text);
 

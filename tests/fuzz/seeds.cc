@@ -72,7 +72,7 @@ void add_yaml(const fs::path& folder) {
   Writer sweep(folder, "sweep");
   sweep.add_files(source / "configs" / "experiments");
   sweep.add("axes.yaml",
-            "schema: raywatt-sweep/1\nscene: cornell\nworkloads: [chess, {scene: teapot, frames: '0:1', name: t}]\n"
+            "schema: raywatt-sweep/1\nworkloads: [chess, {scene: teapot, frames: '0:1', name: t}]\n"
             "programs: ['full:1', undersample]\naxes:\n  cores: {from: 1, to: 8, factor: 2}\n"
             "  caches: {keys: [tni.trv.l1.size, tni.trv.rays], values: [[8 KiB, 4], [16 KiB, 8]]}\n"
             "  render.depth: {from: 1, to: 5, step: 2}\n  dram.mhz: {from: 100, to: 200, count: 3, scale: log}\n"

@@ -94,7 +94,7 @@ TEST(BadArguments, AKernelThatIsNotThereGetsTheNearestOne) {
 
 TEST(BadArguments, AKeyOrAProgramThatIsNotThereGetsThoseThatWereMeant) {
   expect_run_refused({"--set", "l1.size=8KiB"}, {"did you mean 'tni.trv.l1' or 'tni.ist.l1'"});
-  expect_run_refused({"--program", "ful:1"}, {"did you mean 'full:1'?", "full is full:1"});
+  expect_run_refused({"--program", "ful:1"}, {"did you mean 'full:1'?", "there is: full:N"});
 }
 
 TEST(BadArguments, AComplaintIsOneLineWhateverItQuotes) {

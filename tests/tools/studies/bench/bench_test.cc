@@ -129,7 +129,7 @@ TEST(Bench, OmitsScenesThatTheOtherBuildLacks) {
 }
 
 TEST(Bench, RecordsItsConditions) {
-  const nlohmann::json result = metrics({"--scene", "cornell", "--program", "full", "--set", "cores=2"});
+  const nlohmann::json result = metrics({"--scene", "cornell", "--program", "full:1", "--set", "cores=2"});
   EXPECT_EQ(result["program"], "full:1");
   EXPECT_EQ(result["config"], "sgrt-2016");
   EXPECT_EQ(result["set"], nlohmann::json{"cores=2"});

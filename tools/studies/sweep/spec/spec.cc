@@ -18,6 +18,7 @@
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/sampling/tile_sampling.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools::sweep {
@@ -300,7 +301,7 @@ Axis read_axis(const YamlValue& value) {
 /// Reads the axis `workload` from a list of workloads: scenes, each with optional camera, frames and resolution.
 Axis read_workloads(const YamlValue& value) {
   constexpr std::array<std::string_view, 5> kKeys = {"name", "scene", "camera", "frames", "resolution"};
-  Axis axis{"workload", value.where(), {"scene", "camera", "frames", "resolution"}, {}};
+  Axis axis{std::string(kWorkloadAxis), value.where(), {"scene", "camera", "frames", "resolution"}, {}};
   for (const YamlValue& item : value.items()) {
     Axis::Value workload{{}, std::vector<std::string>(axis.keys.size())};
     if (item.is_text()) {
@@ -537,6 +538,22 @@ void check_subset(const Spec& spec) {
                           sim::printable(workload->name), sim::printable(machine->name)));
 }
 
+/// Refuses a scene or a program that an axis sets at every point.
+void check_overridden_keys(const Spec& spec) {
+  for (const char* key : {"scene", "program"}) {
+    const auto given = spec.key_positions.find(key);
+    if (given == spec.key_positions.end()) continue;
+    for (const Axis& axis : spec.axes) {
+      if (std::ranges::find(axis.keys, key) == axis.keys.end()) continue;
+      const bool is_list = axis.name == kWorkloadAxis || spec.key_positions.contains("programs");
+      const std::string by = is_list ? axis.name + "s" : "axes." + sim::printable(axis.name);
+      sim::refuse(
+          given->second, key,
+          fmt::format("has no effect, because {0} sets it at every point; allowed: {1} or {0}, not both", by, key));
+    }
+  }
+}
+
 }  // namespace
 
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> other_keys) {
@@ -589,6 +606,7 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
   if (programs) spec.axes.insert(spec.axes.begin(), *std::move(programs));
   if (workloads) spec.axes.insert(spec.axes.begin(), *std::move(workloads));
   check_axes(spec.axes);
+  check_overridden_keys(spec);
   if (exclude) spec.exclude = read_conditions(*exclude, spec.axes);
   if (where) spec.where = read_conditions(*where, spec.axes);
   check_subset(spec);
