@@ -54,10 +54,11 @@ struct Planned {
   std::vector<std::string> slurm;
 };
 
-/// Plans the points of a sweep's file. File names in it are relative to its folder.
-Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
+/// Plans the points of a sweep's file. File names in it are relative to its folder. `sets`: settings of the command
+/// line.
+Planned plan_from_file(const SweepOptions& options, const fs::path& file, const std::vector<std::string>& sets) {
   sweep::Spec spec = sweep::read_spec(file);
-  spec.sets.insert(spec.sets.end(), options.sets.begin(), options.sets.end());
+  spec.sets.insert(spec.sets.end(), sets.begin(), sets.end());
   Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
   progress.expect_parts(1, "sweep");
   progress.set_phase("choosing points");
@@ -72,7 +73,7 @@ Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
 Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
   const fs::path file = folder.path() / "sweep.yaml";
   Planned planned{sim::read_file(file, 1 << 20), folder.read_points(), folder.slurm_arguments()};
-  if (planned.points.empty()) return plan_from_file(options, file);
+  if (planned.points.empty()) return plan_from_file(options, file, folder.sets());
   sweep::PointKeys keys;
   for (Point& point : planned.points) keys.set_key(point);
   return planned;
@@ -187,7 +188,8 @@ int run_sweep(const SweepOptions& options) {
                            : fs::path("raywatt-out") / fmt::format("sweep-{}", options.file.stem().string());
   std::optional<SweepFolder> former;
   if (options.resume) former = SweepFolder::open(out);
-  const Planned planned = from_file ? plan_from_file(options, options.file) : plan_from_folder(options, *former);
+  const std::vector<std::string> sets = former ? former->sets() : options.sets;
+  const Planned planned = from_file ? plan_from_file(options, options.file, sets) : plan_from_folder(options, *former);
   const fs::path store_root = !options.store.empty() ? options.store
                               : former               ? former->store().root()
                                                      : Store::default_root();
@@ -200,7 +202,7 @@ int run_sweep(const SweepOptions& options) {
   if (!lock)
     throw sim::InputError(fmt::format("{}: another process is running this sweep", sim::printable(out.string())));
   const SweepFolder folder = SweepFolder::create(out, SweepFolder::FolderKind::kSweep, planned.text, planned.points,
-                                                 store_root, planned.slurm);
+                                                 store_root, planned.slurm, sets);
   const Store store = folder.store();
   store.remove_stale();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);

@@ -57,6 +57,19 @@ TEST_F(SweepRun, ComputesEveryPointAsARunDoes) {
       << "no picture unless it is asked for";
 }
 
+TEST_F(SweepRun, KeepsItsFrameRateWhenItIsResumedBeforeItsPointsWereWritten) {
+  ASSERT_EQ(run("axes: {cores: [1]}\n", {"--fps", "60"}).exit, 0);
+  const std::string points = read_bytes(out / "points.jsonl");
+  EXPECT_SAYS(points, "frame.fps=60");
+  fs::remove(out / "points.jsonl");
+  const ProcessResult ending = sweep({"run", "--resume", "-o", out});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "1 points: 0 computed, 1 found");
+  EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
+  ASSERT_EQ(sweep({"run", folder.path() / "sweep.yaml", "--resume", "-o", out}).exit, 0);
+  EXPECT_EQ(read_bytes(out / "points.jsonl"), points) << "also where the file is named";
+}
+
 TEST_F(SweepRun, LoadsASceneAnewWhereItsTexturesAreLaidOutOtherwise) {
   EXPECT_EQ(run("scene: teapot\naxes: {render.mip_maps: [on, off]}\n", {"-j", "1"}).exit, 0);
   Words traffic;

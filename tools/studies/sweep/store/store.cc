@@ -325,6 +325,7 @@ SweepFolder SweepFolder::open(const fs::path& path) {
     if (json.at("schema") != kFolderSchema) throw sim::InputError("it is a sweep of another version");
     folder.store_ = json.at("store").get<std::string>();
     folder.slurm_ = json.at("slurm").get<std::vector<std::string>>();
+    folder.sets_ = json.value("sets", folder.sets_);
   });
   return folder;
 }
@@ -338,11 +339,12 @@ std::optional<sim::FileLock> SweepFolder::try_claim(const fs::path& path, Folder
 
 SweepFolder SweepFolder::create(const fs::path& path, FolderKind kind, const std::string& spec,
                                 const std::vector<Point>& points, const fs::path& store,
-                                const std::vector<std::string>& slurm) {
+                                const std::vector<std::string>& slurm, const std::vector<std::string>& sets) {
   const std::string_view what = kOf[static_cast<std::size_t>(kind)];
   SweepFolder folder(fs::absolute(path).lexically_normal());
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
+  folder.sets_ = sets;
   check_name(folder.store_);
   make_named_folder(folder.store_);
   sim::make_folders(folder.log_folder());
@@ -357,7 +359,8 @@ SweepFolder SweepFolder::create(const fs::path& path, FolderKind kind, const std
                                         {"of", what},
                                         {"store", folder.store_.string()},
                                         {"points", points.size()},
-                                        {"slurm", slurm}}));
+                                        {"slurm", slurm},
+                                        {"sets", sets}}));
   replace("sweep.yaml", spec);
   std::string lines;
   for (const Point& point : points) lines += format_point_line(point) + "\n";

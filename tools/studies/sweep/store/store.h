@@ -85,7 +85,7 @@ std::string host_name();
 
 /// The folder of a sweep or a search, with its points and the path of the store of their results.
 ///
-///   sweep.json     schema, store, arguments for Slurm; identifies the folder of a sweep
+///   sweep.json     schema, store, arguments for Slurm, settings of the command; identifies the folder of a sweep
 ///   sweep.yaml     the sweep's file
 ///   points.jsonl   a line per point, in the order of all tables
 ///   index.sqlite, results.csv, machines.csv   made from the results of the points
@@ -100,14 +100,16 @@ class SweepFolder {
   /// InputError for a folder with other contents.
   static std::optional<sim::FileLock> try_claim(const std::filesystem::path& path, FolderKind kind);
   /// Writes, or replaces, the files of a sweep or search in a folder that the caller has locked with try_claim().
+  /// `sets`: settings of the command line, "key=value".
   static SweepFolder create(const std::filesystem::path& path, FolderKind kind, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
-                            const std::vector<std::string>& slurm);
+                            const std::vector<std::string>& slurm, const std::vector<std::string>& sets = {});
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path log_folder() const { return path_ / "log"; }
   Store store() const { return Store(store_); }
   const std::vector<std::string>& slurm_arguments() const { return slurm_; }
+  const std::vector<std::string>& sets() const { return sets_; }  ///< settings of the command line, "key=value"
   std::vector<Point> read_points() const;
 
   struct Runner {
@@ -126,7 +128,7 @@ class SweepFolder {
   explicit SweepFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
   std::filesystem::path path_, store_;
-  std::vector<std::string> slurm_;
+  std::vector<std::string> slurm_, sets_;
 };
 
 }  // namespace tools::sweep
