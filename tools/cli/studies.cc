@@ -263,7 +263,7 @@ void add_microbench_command(CLI::App& app, int& exit) {
 namespace {
 
 struct CompareOptions {
-  std::vector<std::string> paths, with;
+  std::vector<std::string> paths, with, metrics;
   std::uint32_t replicates = 1, threads = 0;
   double fps = 0;
   std::string progress = "auto";
@@ -319,7 +319,7 @@ void compare_run_sets(const CompareOptions& options, std::vector<RunSet> sets) {
   }
   complete_reports(options, reports);
   std::vector<SetComparison> against;
-  for (std::size_t i = 1; i < sets.size(); ++i) against.push_back(compare_sets(sets.front(), sets[i]));
+  for (std::size_t i = 1; i < sets.size(); ++i) against.push_back(compare_sets(sets.front(), sets[i], options.metrics));
   print_warnings(set_comparison_warnings(sets, against));
   fmt::print("{}", options.json ? sim::json_text(set_comparison_json(sets, against))
                                 : to_terminal_encoding(set_comparison_text(sets, against)));
@@ -331,6 +331,10 @@ void run_comparison(const CompareOptions& options) {
   }
   if (std::vector<RunSet> sets = load_run_sets(options); !sets.empty()) {
     return compare_run_sets(options, std::move(sets));
+  }
+  if (!options.metrics.empty()) {
+    throw sim::InputError(
+        "--metric is for sets of runs; allowed: folders that contain runs, or --with; of single runs --json has all");
   }
   std::vector<ReportFile> reports;
   std::vector<ReportFile*> all;
@@ -359,6 +363,12 @@ void add_compare_command(CLI::App& app) {
   verb->add_option("--with", options->with, "runs of the second set; the positional RUN... are the first set")
       ->expected(1, 100)
       ->type_name("RUN...");
+  verb->add_option(
+          "--metric", options->metrics,
+          "of sets: print only this metric: PATH, worst(PATH), mean(PATH), geomean(PATH) or on(WORKLOAD, PATH)\n"
+          "(repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("METRIC");
   verb->add_option(
           "--replicates", options->replicates,
           "simulate runs that have fewer replicates this number of times, slightly perturbed, to measure noise\n"

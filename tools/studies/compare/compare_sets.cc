@@ -88,27 +88,62 @@ std::vector<const ReportFile*> match_runs(const RunSet& a, const RunSet& b) {
   return matched;
 }
 
-/// Returns an aggregate of a metric over all workloads of both run sets; without values if a run lacks the metric.
-SetRow aggregate_row(const char* name, SetMetric::Kind kind, const std::vector<const ReportFile*>& a,
-                     const std::vector<const ReportFile*>& b, const std::string& metric) {
-  const bool larger = sweep::is_larger_better("totals." + metric).value_or(true);
+/// Runs of two sets, matched by workload.
+struct MatchedRuns {
+  std::vector<std::string> workloads;
+  std::vector<const ReportFile*> a, b;
+};
+
+/// Evaluates a metric in both sets; its path is a full report path. Values are absent if it has none.
+SetRow evaluate_row(std::string name, const SetMetric& metric, const MatchedRuns& matched) {
+  const bool larger = sweep::is_larger_better(metric.path).value_or(true);
   const auto evaluate = [&](const std::vector<const ReportFile*>& runs) {
     std::vector<sweep::WorkloadValue> values;
-    for (const ReportFile* run : runs) {
-      sweep::WorkloadValue& value = values.emplace_back();
-      if (run->has("totals." + metric)) value.seen = results::seen_figure(*run, "totals." + metric);
+    for (std::size_t w = 0; w < runs.size(); ++w) {
+      values.push_back({matched.workloads[w], {}});
+      if (runs[w]->has(metric.path)) values.back().seen = results::seen_figure(*runs[w], metric.path);
     }
-    return sweep::evaluate_set_metric({kind, metric, {}}, values, larger);
+    return sweep::evaluate_set_metric(metric, values, larger);
   };
-  const std::optional<MeasuredFigure> of_a = evaluate(a), of_b = evaluate(b);
-  SetRow row{name, {}, {}};
+  const std::optional<MeasuredFigure> of_a = evaluate(matched.a), of_b = evaluate(matched.b);
+  SetRow row{std::move(name), {}, {}};
   if (of_a) row.a = of_a->value;
   if (of_b) row.b = of_b->value;
-  if (!is_noisy(metric) || !of_a || !of_b || of_a->value == 0 || of_b->value == 0) return row;
+  const bool has_noise = is_totals_path(metric.path) && is_noisy(metric_name(metric.path));
+  if (!has_noise || !of_a || !of_b || of_a->value == 0 || of_b->value == 0) return row;
   const MeanDifference d = difference_of(*of_a, *of_b);
   row.noise = NoisyDifference{d.value / of_a->value, d.half_width() / std::abs(of_a->value), of_a->draws && of_b->draws,
                               std::abs(d.value) > d.half_width()};
   return row;
+}
+
+/// Evaluates a metric that the user named. Throws InputError for an unknown path or workload.
+SetRows requested_rows(const std::string& text, const std::vector<std::string>& paths, const MatchedRuns& matched) {
+  SetMetric metric = sweep::parse_set_metric(text);
+  sweep::check_workload(metric, matched.workloads);
+  metric.path = resolve_report_path(metric.path, paths);
+  const std::string name = metric_name(metric.path);
+  SetRows rows{name, name, {}};
+  if (metric.kind == SetMetric::Kind::kEach) {
+    for (const std::string& workload : matched.workloads)
+      rows.rows.push_back(evaluate_row(workload, {SetMetric::Kind::kOn, metric.path, workload}, matched));
+  } else {
+    const std::string function = metric.text().substr(0, metric.text().find('('));
+    const bool is_one = metric.kind == SetMetric::Kind::kOn;
+    rows.rows.push_back(evaluate_row(is_one ? metric.workload : function, metric, matched));
+  }
+  return rows;
+}
+
+/// Returns the paths of all numbers that a run of the sets has.
+std::vector<std::string> all_paths(const RunSet& a, const RunSet& b) {
+  std::set<std::string> paths;
+  for (const RunSet* set : {&a, &b}) {
+    for (const ReportFile& run : set->runs) {
+      for (const auto& [path, value] : run.numbers) paths.insert(path);
+    }
+  }
+  return {paths.begin(), paths.end()};
 }
 
 /// Returns the configuration keys that have the same two values in all comparisons.
@@ -131,8 +166,8 @@ constexpr std::array<std::string_view, 10> kShownMetrics = {
 
 std::string rows_text(const SetComparison& c, const std::string& a, const std::string& b) {
   sim::Table table({"", "workload", a, b, "", "noise"});
-  for (const SetRows& metric : c.metrics) {
-    if (std::ranges::find(kShownMetrics, metric.name) == kShownMetrics.end()) continue;
+  for (const SetRows& metric : c.requested.empty() ? c.metrics : c.requested) {
+    if (c.requested.empty() && std::ranges::find(kShownMetrics, metric.name) == kShownMetrics.end()) continue;
     const auto value = [&](const std::optional<double>& of) {
       return of ? metric_value_text(metric.name, *of) : std::string("-");
     };
@@ -168,14 +203,13 @@ RunSet load_run_set(const fs::path& folder) {
   return set;
 }
 
-SetComparison compare_sets(const RunSet& a, const RunSet& b) {
-  const std::vector<const ReportFile*> of_b = match_runs(a, b);
-  std::vector<const ReportFile*> of_a;
+SetComparison compare_sets(const RunSet& a, const RunSet& b, std::span<const std::string> requested) {
+  MatchedRuns matched{name_workloads(workload_keys(a)), {}, match_runs(a, b)};
   SetComparison out;
-  out.workloads = name_workloads(workload_keys(a));
+  out.workloads = matched.workloads;
   for (std::size_t i = 0; i < a.runs.size(); ++i) {
-    of_a.push_back(&a.runs[i]);
-    out.runs.push_back(compare(a.runs[i], *of_b[i]));
+    matched.a.push_back(&a.runs[i]);
+    out.runs.push_back(compare(a.runs[i], *matched.b[i]));
   }
   out.config = common_keys(out.runs);
   std::vector<const MetricPair*> metrics;  // of all workloads, in table order
@@ -199,13 +233,16 @@ SetComparison compare_sets(const RunSet& a, const RunSet& b) {
       rows.rows.resize(1);
       rows.rows.front().workload = "all";
     } else if (out.runs.size() > 1 && !out.runs.front().is_meaningless(metric->name)) {
-      rows.rows.push_back(aggregate_row("geomean", SetMetric::Kind::kGeomean, of_a, of_b, metric->label));
+      rows.rows.push_back(evaluate_row("mean", {SetMetric::Kind::kMean, path, {}}, matched));
+      rows.rows.push_back(evaluate_row("geomean", {SetMetric::Kind::kGeomean, path, {}}, matched));
       if (sweep::is_larger_better(path)) {
-        rows.rows.push_back(aggregate_row("worst", SetMetric::Kind::kWorst, of_a, of_b, metric->label));
+        rows.rows.push_back(evaluate_row("worst", {SetMetric::Kind::kWorst, path, {}}, matched));
       }
     }
     out.metrics.push_back(std::move(rows));
   }
+  const std::vector<std::string> paths = requested.empty() ? std::vector<std::string>() : all_paths(a, b);
+  for (const std::string& text : requested) out.requested.push_back(requested_rows(text, paths, matched));
   return out;
 }
 
@@ -216,7 +253,7 @@ std::string set_comparison_text(std::span<const RunSet> sets, std::span<const Se
     out += fmt::format("{}{} against {}, {} workloads\n\n{}", i == 0 ? "" : "\n", sets[i + 1].name, sets[0].name,
                        c.workloads.size(), rows_text(c, sets[0].name, sets[i + 1].name));
     bool assumed = false, measured = false;
-    for (const SetRows& metric : c.metrics) {
+    for (const SetRows& metric : c.requested.empty() ? c.metrics : c.requested) {
       for (const SetRow& row : metric.rows) {
         if (row.noise) (row.noise->measured ? measured : assumed) = true;
       }
@@ -244,7 +281,9 @@ sim::Json set_comparison_json(std::span<const RunSet> sets, std::span<const SetC
     const std::vector<const ReportFile*> of_b = match_runs(sets[0], sets[i + 1]);
     Json config = Json::array(), figures = Json::object(), runs = Json::array();
     for (const KeyPair& key : c.config) config.push_back({{"key", key.key}, {"a", key.a}, {"b", key.b}});
-    for (const SetRows& metric : c.metrics) {
+    std::vector<SetRows> all = c.metrics;
+    all.insert(all.end(), c.requested.begin(), c.requested.end());
+    for (const SetRows& metric : all) {
       for (const SetRow& row : metric.rows) {
         Json& cell = figures[metric.name][sim::printable(row.workload, 1000)];
         cell = {{"a", number(row.a)}, {"b", number(row.b)}};

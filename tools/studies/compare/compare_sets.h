@@ -25,7 +25,7 @@ RunSet load_run_set(const std::filesystem::path& folder);
 
 /// A metric of two run sets (`a`, `b`) on one workload, or an aggregate over all workloads.
 struct SetRow {
-  std::string workload;  ///< name of the workload, "geomean" or "worst"
+  std::string workload;  ///< name of the workload, "mean", "geomean" or "worst"
   std::optional<double> a, b;
   std::optional<NoisyDifference> noise{};
 };
@@ -40,11 +40,13 @@ struct SetComparison {
   std::vector<Comparison> runs;        ///< by workload
   std::vector<KeyPair> config;         ///< keys that differ equally on all workloads
   std::vector<SetRows> metrics;        ///< main metrics in table order; a metric of the machine alone has one row
+  std::vector<SetRows> requested;      ///< metrics that the user named; if there are any, tables show only these
 };
 
-/// Compares the runs of two sets on each workload: runs with equal scene, resolution, frames and view. Throws
-/// InputError if a set lacks a workload of the other or has two runs of one.
-SetComparison compare_sets(const RunSet& a, const RunSet& b);
+/// Compares the runs of two sets on each workload: runs with equal scene, resolution, frames and view. `requested`:
+/// further metrics, as "mean(fps)" or "on(chess, power_w)". Throws InputError if a set lacks a workload of the other or
+/// has two runs of one, and for metrics that the reports do not have.
+SetComparison compare_sets(const RunSet& a, const RunSet& b, std::span<const std::string> requested = {});
 
 /// Returns the comparisons of all other run sets with the first as text for a terminal.
 std::string set_comparison_text(std::span<const RunSet> sets, std::span<const SetComparison> against);

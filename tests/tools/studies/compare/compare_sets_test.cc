@@ -53,6 +53,7 @@ TEST_F(RunSets, AreMatchedByWorkload) {
   EXPECT_EQ(fps["cornell"]["b"], value("b/z", "perf", "fps"));
   EXPECT_NEAR(fps["geomean"]["a"], std::sqrt(fps["cornell"]["a"].get<double>() * fps["teapot"]["a"].get<double>()),
               1e-6);
+  EXPECT_NEAR(fps["mean"]["a"], (fps["cornell"]["a"].get<double>() + fps["teapot"]["a"].get<double>()) / 2, 1e-9);
   EXPECT_EQ(fps["worst"]["b"], std::min(fps["cornell"]["b"].get<double>(), fps["teapot"]["b"].get<double>()));
   EXPECT_EQ(c["figures"]["energy_mj"]["worst"]["a"], std::max(c["figures"]["energy_mj"]["cornell"]["a"].get<double>(),
                                                               c["figures"]["energy_mj"]["teapot"]["a"].get<double>()));
@@ -68,6 +69,30 @@ TEST_F(RunSets, HaveLessNoiseInTheirMean) {
   const auto width = [&](const char* of) { return cycles[of]["noise"]["half_width"].get<double>(); };
   EXPECT_LT(width("geomean"), 0.8 * std::max(width("cornell"), width("teapot")));
   EXPECT_GT(width("geomean"), 0.6 * std::min(width("cornell"), width("teapot")));
+}
+
+TEST_F(RunSets, AreComparedByTheMetricsThatAreNamed) {
+  const auto compared_by = [&](const Words& metrics, const Words& more = {}) {
+    Words words = {"compare", at("a"), at("b")};
+    for (const std::string& metric : metrics) words.insert(words.end(), {"--metric", metric});
+    words.insert(words.end(), more.begin(), more.end());
+    return raywatt(words);
+  };
+  const ProcessResult ending =
+      compared_by({"mean(fps)", "on(teapot, utilisation.dram)", "geomean(totals.rays.total)"}, {"--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json figures = Json::parse(ending.out)["against"][0]["figures"];
+  const double mean = (value("b/y", "perf", "fps") + value("b/z", "perf", "fps")) / 2;
+  EXPECT_NEAR(figures["perf.fps"]["mean"]["b"], mean, 1e-9 * mean);
+  EXPECT_EQ(figures["utilisation.dram"]["teapot"]["a"], value("a/second", "utilisation", "dram"));
+  EXPECT_NEAR(figures["rays.total"]["geomean"]["a"],
+              std::sqrt(value("a/first", "rays", "total") * value("a/second", "rays", "total")), 1e-6);
+  const std::string table = compared_by({"worst(fps)", "cycles"}).out;
+  for (const char* row : {"perf.fps", "worst", "cycles", "cornell", "teapot"}) EXPECT_SAYS(table, row);
+  for (const char* row : {"area_mm2", "power_w", "geomean"}) EXPECT_EQ(table.find(row), std::string::npos) << table;
+  EXPECT_SAYS(compared_by({"on(tea, fps)"}).err, "'tea' is no workload; allowed: cornell, teapot");
+  EXPECT_SAYS(compared_by({"mean(fsp)"}).err, "no report path 'fsp', did you mean 'fps'?");
+  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports"), "--metric", "fps"}).err, "--metric is for sets of runs");
 }
 
 TEST_F(RunSets, AreAlsoTwoListsOfRuns) {
