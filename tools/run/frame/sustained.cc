@@ -151,6 +151,7 @@ SustainSetup sustain_setup(const RunConfig& config) {
   setup.idle_memory_w = hw::dram_idle_power_mw(config.gpu->dram).nominal / kMilliwattsPerWatt;
   setup.seconds = 60 * config.thermal.minutes;
   setup.loop = std::min(setup.loop, setup.seconds);
+  setup.fps = config.frame.fps;
   return setup;
 }
 

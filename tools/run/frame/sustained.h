@@ -44,7 +44,8 @@ struct SustainSetup {
   double seconds = 600, loop = 60, fps = 0;
 };
 
-/// Returns the setup that a configuration describes. `seconds` is thermal.minutes; `loop` is at most one minute.
+/// Returns the setup that a configuration describes: for thermal.minutes, in loops of at most one minute, with frames
+/// that begin at the rate frame.fps.
 SustainSetup sustain_setup(const RunConfig& config);
 
 /// Results of one loop of a sustained run: means over the loop, and temperatures at its end.

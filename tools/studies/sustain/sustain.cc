@@ -24,7 +24,7 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
   SustainStudy study;
   study.setup = sustain_setup(inputs.config);
   study.setup.loop = std::min(options.loop, study.setup.seconds);
-  study.setup.fps = options.fps;
+  if (options.fps > 0) study.setup.fps = options.fps;
   study.warnings = inputs.warnings;
   const std::vector<double> factors = governor_factors(inputs.config.thermal);
   const std::vector<RunConfig> configs = governor_configs(inputs.config);

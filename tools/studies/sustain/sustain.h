@@ -15,7 +15,7 @@ struct SustainOptions {
   JobOptions job;
   double minutes = 0;  ///< simulated time in minutes; 0: thermal.minutes of the configuration, or ten if that is 0
   double loop = 60;    ///< length in seconds of the intervals ("loops") over which frame rates are averaged
-  double fps = 0;      ///< rate at which frames begin, in 1/s; 0: each begins when the previous one ends
+  double fps = 0;      ///< rate at which frames begin, in 1/s; 0: frame.fps
 };
 
 /// Result of a sustained run under a thermal governor: the governor's clock steps and their steady temperatures.

@@ -133,6 +133,27 @@ TEST(Sustain, AtAFrameRateTheRestOfThePeriodIsIdle) {
   EXPECT_NEAR(run.energy_j, static_cast<double>(run.frames) * (0.011 + 0.01 * (1.0 / 30 - 0.01)), 1e-6);
 }
 
+TEST(Sustain, OfAConfigurationWithAFrameRateHeatsByItsMeanPower) {
+  JobOptions job;
+  job.sets = {"thermal.minutes=1", "frame.fps=30"};
+  SustainSetup limited = sustain_setup(load_run_config(job));
+  EXPECT_EQ(limited.fps, 30);
+  limited.seconds = 20'000;
+  limited.idle_memory_w = 0;
+  SustainSetup averaged = limited;
+  averaged.fps = 0;
+  // A frame of 10 ms in a period of 33 ms heats like a machine that always takes 30 % of its power.
+  const Sustained run = sustain(steps(3, 0, 1), limited);
+  std::vector<SustainStep> spread = steps(3, 0, 1);
+  spread.front().frames.front().seconds = 1.0 / 30;
+  const Sustained mean = sustain(spread, averaged);
+  EXPECT_NEAR(run.sustained_fps, 30, 0.1);
+  EXPECT_NEAR(run.loops.back().temperatures.body, mean.loops.back().temperatures.body, 0.01);
+  EXPECT_NEAR(run.loops.back().watt, mean.loops.back().watt, 0.01);
+  averaged.seconds = 600;
+  EXPECT_GT(sustain(steps(3, 0, 1), averaged).hottest.body, run.hottest.body) << "without a rate it never idles";
+}
+
 TEST(Sustain, AClockedChipTakesItsClockInTheRestOfThePeriod) {
   SustainSetup s = setup(60);
   s.fps = 30;
