@@ -1,7 +1,6 @@
 #include "tools/analysis/rate_report.h"
 
 #include <algorithm>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,17 +23,6 @@ Json clocks_json(const OperatingPoint& clocks) {
   return {{"factor", clocks.factor}, {"mhz", mhz}, {"volt", volt}, {"power_w", sim::band_json(clocks.power_w)}};
 }
 
-/// Evaluates a run at the target rate frame.fps. `slowest_share`: time of the slowest frame divided by the mean frame
-/// time.
-FrameRate frame_rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
-  const double ms = time_ms(run);
-  return evaluate_frame_rate(config, {.energy = run.energy,
-                                      .units = run.units,
-                                      .count = static_cast<double>(run.frames),
-                                      .time_ms = ms,
-                                      .slowest_ms = slowest_share * ms / run.frames});
-}
-
 }  // namespace
 
 Json frame_rate_json(const FrameRate& rate) {
@@ -53,29 +41,20 @@ Json frame_rate_json(const FrameRate& rate) {
           {"fps_margin", rate.rate_margin()}};
 }
 
-void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, const RunConfig& config) {
-  if (config.frame.fps <= 0) return;
+std::optional<TargetRate> target_rate(const FrameResult& run, const Json& frames, const RunConfig& config) {
+  if (config.frame.fps <= 0) return std::nullopt;
   double slowest_ms = 0;
   for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
-  const double slowest_share = slowest_ms * run.frames / time_ms(run);
-  totals.update(frame_rate_json(frame_rate_of(run, slowest_share, config)));
-  if (!totals.contains("replicates")) return;
-  std::vector<double> margins = {totals["fps_margin"].get<double>()}, low, nominal, high;
-  const auto add_power = [&](const Json& band) {
-    low.push_back(band["low"].get<double>());
-    nominal.push_back(band["nominal"].get<double>());
-    high.push_back(band["high"].get<double>());
-  };
-  add_power(totals["power_at_fps_w"]);
-  for (const FrameResult& replicate : run.replicates) {
-    const FrameRate rate = frame_rate_of(replicate, slowest_share, config);
-    margins.push_back(rate.rate_margin());
-    add_power(sim::band_json(rate.power_w));
-  }
-  Json& figures = totals["replicates"]["figures"];
-  figures["fps_margin"] = statistics_json(margins);
-  figures["power_at_fps_w"] = {
-      {"low", statistics_json(low)}, {"nominal", statistics_json(nominal)}, {"high", statistics_json(high)}};
+  return TargetRate{config, slowest_ms * run.frames / time_ms(run)};
+}
+
+Json frame_rate_json(const FrameResult& run, const TargetRate& target) {
+  const double ms = time_ms(run);
+  return frame_rate_json(evaluate_frame_rate(target.config, {.energy = run.energy,
+                                                             .units = run.units,
+                                                             .count = static_cast<double>(run.frames),
+                                                             .time_ms = ms,
+                                                             .slowest_ms = target.slowest_share * ms / run.frames}));
 }
 
 std::string frame_rate_text(const Json& totals) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "sim/io/json.h"
@@ -8,10 +9,17 @@
 
 namespace tools {
 
-/// Adds the metrics at the target rate frame.fps (at_fps, power_at_fps_w, fps_margin) to a report's totals, with
-/// statistics if there are replicates. No effect if frame.fps is 0. `frames`: the report's list of frames.
-void add_frame_rate(sim::Json& totals, const FrameResult& run, const sim::Json& frames, const RunConfig& config);
+/// The target rate frame.fps of a run, and the time of its slowest frame over the mean frame time.
+struct TargetRate {
+  const RunConfig& config;
+  double slowest_share = 1;
+};
 
+/// Returns the target rate of a run; nothing if frame.fps is 0. `frames`: the report's list of frames.
+std::optional<TargetRate> target_rate(const FrameResult& run, const sim::Json& frames, const RunConfig& config);
+
+/// Returns the members at_fps, power_at_fps_w and fps_margin of the totals of a run or of one of its replicates.
+sim::Json frame_rate_json(const FrameResult& run, const TargetRate& target);
 /// Returns the members at_fps, power_at_fps_w and fps_margin of a report's totals.
 sim::Json frame_rate_json(const FrameRate& rate);
 

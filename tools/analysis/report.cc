@@ -197,7 +197,8 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
   std::vector<Json> plays = {plain};
   for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
     const FrameResult* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
-    plays.push_back(totals_json({result.run.replicates[i], reference, result.error, result.worst_squared_error}));
+    plays.push_back(
+        totals_json({result.run.replicates[i], reference, result.error, result.worst_squared_error, result.rate}));
   }
   Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};
   const Json flat = plain.flatten();
@@ -539,6 +540,7 @@ Json totals_json(const ComparedResult& result) {
   if (run.sampled) totals["sampled"] = sampled_json(run);
   if (run.sliced) totals["sliced"] = sliced_json(run);
   if (result.reference != nullptr) add_relative_metrics(totals, result);
+  if (result.rate != nullptr) totals.update(frame_rate_json(run, *result.rate));
   if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;
 }
@@ -567,9 +569,11 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
 Json report_json(const ReportInput& report) {
   const Inputs& inputs = report.inputs;
   const FrameResult& run = report.result.run;
-  Json totals = totals_json(report.result);
+  const std::optional<TargetRate> rate = target_rate(run, report.frames, inputs.config);
+  ComparedResult result = report.result;
+  if (rate) result.rate = &*rate;
+  Json totals = totals_json(result);
   add_area(totals, run.units, inputs.config);
-  add_frame_rate(totals, run, report.frames, inputs.config);
   if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(inputs.config)));
   totals["extrapolated"] = technology_table_warnings(inputs.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},

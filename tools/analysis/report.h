@@ -17,6 +17,8 @@
 
 namespace tools {
 
+struct TargetRate;
+
 /// Result of one frame, or of all frames of a run, and the result of the reference program, if any.
 struct ComparedResult {
   const FrameResult& run;
@@ -24,6 +26,7 @@ struct ComparedResult {
   PictureError error = {};  ///< error of a frame's picture; for several frames: mean error, and largest error of a
                             ///< change
   std::optional<double> worst_squared_error = {};  ///< error of the worst picture of several frames
+  const TargetRate* rate = nullptr;                ///< target frame rate of all frames; null: none
 };
 
 /// Returns the JSON of one frame (an entry of `frames`) or of all frames (`totals`) of report.json.
