@@ -229,6 +229,32 @@ std::string nearest_end(std::string_view text, std::span<const std::string> path
   return traces::did_you_mean(text, names);
 }
 
+/// A number or group of `totals` that a report has only if a key is set.
+struct ConditionalNumber {
+  std::string_view name, condition;
+};
+constexpr std::string_view kNeedsReference = "reference (--reference of a run)",
+                           kNeedsSequence = "reference (--reference of a run) and several frames",
+                           kNeedsRate = "frame.fps (--fps)", kNeedsMinutes = "thermal.minutes";
+constexpr auto kConditionalNumbers = std::to_array<ConditionalNumber>({{"psnr_db", kNeedsReference},
+                                                                       {"worst_psnr_db", kNeedsReference},
+                                                                       {"temporal_psnr_db", kNeedsSequence},
+                                                                       {"relative", kNeedsReference},
+                                                                       {"fps_margin", kNeedsRate},
+                                                                       {"power_at_fps_w", kNeedsRate},
+                                                                       {"at_fps", kNeedsRate},
+                                                                       {"sustained_fps", kNeedsMinutes},
+                                                                       {"stability", kNeedsMinutes},
+                                                                       {"sustained", kNeedsMinutes}});
+
+/// Returns " without the key K" for a report path that needs this key, else an empty text.
+std::string missing_key_text(std::string_view text) {
+  const std::string name = metric_name(text);
+  const auto* const found =
+      std::ranges::find(kConditionalNumbers, name.substr(0, name.find('.')), &ConditionalNumber::name);
+  return found == kConditionalNumbers.end() ? "" : fmt::format(" without the key {}", found->condition);
+}
+
 /// Returns the path of the nominal value if the paths of a group are a band (low, nominal, high); otherwise empty.
 std::string nominal_value_path(const std::vector<std::string>& group) {
   constexpr std::size_t kSides = 3;
@@ -295,10 +321,11 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
     refuse_several(text, "is a group of", m.group, nearest);
   }
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
+  const std::string missing = missing_key_text(text);
   throw sim::InputError(
       fmt::format("there is no report path '{}'{}; allowed is what report.json has, or the end of it, e.g. cycles, "
                   "perf.frames_per_joule_gpu",
-                  sim::printable(text), nearest_end(text, paths, "")));
+                  sim::printable(text), missing.empty() ? nearest_end(text, paths, "") : missing));
 }
 
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths) {

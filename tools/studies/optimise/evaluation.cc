@@ -27,17 +27,15 @@ std::vector<std::string> Trial::extrapolations() const {
   return all;
 }
 
-void Evaluator::resolve_metrics(const std::vector<std::string>& paths) {
-  for (Goal& goal : goals_) {
-    try {
-      const sweep::SetMetric as_typed = goal.set_metric();
-      goal.metric = resolve_report_path(goal.metric, paths);
-      if (goal.is_objective()) sweep::check_ranks_machines(as_typed, goal.metric, workloads_);
-    } catch (const sim::InputError& error) {
-      throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
-    }
+std::string resolve_metric(const Goal& goal, std::span<const std::string> paths,
+                           std::span<const std::string> workloads) {
+  try {
+    std::string path = resolve_report_path(goal.metric, paths);
+    if (goal.is_objective()) sweep::check_ranks_machines(goal.set_metric(), path, workloads);
+    return path;
+  } catch (const sim::InputError& error) {
+    throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
   }
-  has_paths_ = true;
 }
 
 void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
@@ -49,7 +47,8 @@ void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
   if (!has_paths_) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : report.numbers) paths.push_back(path);
-    resolve_metrics(paths);
+    for (Goal& goal : goals_) goal.metric = resolve_metric(goal, paths, workloads_);
+    has_paths_ = true;
   }
   std::optional<TableDraws> draws;
   for (const Goal& goal : goals_) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +68,11 @@ struct Odds {
   std::vector<std::pair<double, double>> bands;
 };
 
+/// Returns the full path of a goal's metric. Throws InputError for a metric that is not among `paths`, or an objective
+/// that cannot rank machines.
+std::string resolve_metric(const Goal& goal, std::span<const std::string> paths,
+                           std::span<const std::string> workloads);
+
 /// Computes the values of a search's goals from the results of simulations.
 class Evaluator {
  public:
@@ -74,7 +80,7 @@ class Evaluator {
   Evaluator(std::vector<Goal> goals, std::vector<std::string> workloads, double confidence, std::string file)
       : goals_(std::move(goals)), workloads_(std::move(workloads)), confidence_(confidence), file_(std::move(file)) {}
 
-  /// The goals. Their metrics become full report paths when the first report is read.
+  /// The goals. All their metrics are full report paths after the first report is read.
   const std::vector<Goal>& goals() const { return goals_; }
   const std::vector<std::string>& workloads() const { return workloads_; }
 
@@ -94,7 +100,6 @@ class Evaluator {
   Odds odds_of(const Trial& trial, const sweep::Store& store) const;
 
  private:
-  void resolve_metrics(const std::vector<std::string>& paths);
   std::vector<sweep::WorkloadValue> values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const;
 
   std::vector<Goal> goals_;

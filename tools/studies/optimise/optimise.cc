@@ -79,6 +79,11 @@ Answer make_answer(SearchRun& search, const sweep::Store& store) {
 
 }  // namespace
 
+void check_task(const Options& options, Task task) {
+  override_task(task, options);
+  const SearchRun search(task, options.file.parent_path());
+}
+
 int run(const Options& options) { return run(options, read_task(options.file), sim::read_file(options.file, 1 << 20)); }
 
 int run(const Options& options, Task task, const std::string& text,

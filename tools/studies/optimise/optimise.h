@@ -25,6 +25,9 @@ struct Options : LauncherOptions {
   std::string progress = "auto";
 };
 
+/// Throws InputError for a task that run() would refuse.
+void check_task(const Options& options, Task task);
+
 /// Runs a search and writes history.jsonl and front.csv. Returns kCheckFailed if no point is feasible or some failed.
 int run(const Options& options);
 /// Runs the search `task`, which was read or derived from `options.file`. `text`: contents of a file that describes the

@@ -46,22 +46,6 @@ double normal_draw(std::size_t draw, std::size_t dimension) {
   return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1, Policy());
 }
 
-double GoalFigures::combine(std::span<const double> values) const {
-  const auto count = static_cast<double>(values.size());
-  double sum = 0;
-  switch (rule) {
-    case Rule::kWorst:
-      return larger_is_better ? std::ranges::min(values) : std::ranges::max(values);
-    case Rule::kMean:
-      for (const double value : values) sum += value;
-      return sum / count;
-    case Rule::kGeomean:
-      for (const double value : values) sum += std::log(std::max(value, std::numeric_limits<double>::min()));
-      return std::exp(sum / count);
-  }
-  return sum;
-}
-
 /// Surrogates fitted to all results, and the acquisition value of each point.
 ///
 /// 1. The models use the results of all points, feasible or not. Scores are scaled by their range over all points, so
@@ -160,7 +144,7 @@ class Search::Models {
   }
 
  private:
-  const GoalFigures& figures_of(std::size_t goal) const { return search_.options_.figures[goal]; }
+  const std::vector<std::size_t>& figures_of(std::size_t goal) const { return search_.options_.figures[goal]; }
 
   /// Returns the estimate of a figure (a metric on one workload) on its model's scale, which may be logarithmic.
   Estimate estimate_figure(std::size_t figure, const Choice& point) const {
@@ -175,21 +159,21 @@ class Search::Models {
   }
   // A goal of one figure has the scale of the figure's model; a goal that combines workloads has the metric's unit.
   double from_goal_scale(std::size_t goal, double value) const {
-    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    const std::vector<std::size_t>& figures = figures_of(goal);
     return figures.size() == 1 ? from_figure_scale(figures.front(), value) : value;
   }
   double to_goal_scale(std::size_t goal, double value) const {
-    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    const std::vector<std::size_t>& figures = figures_of(goal);
     return figures.size() == 1 ? to_figure_scale(figures.front(), value) : value;
   }
 
   bool has_values(std::size_t goal) const {
-    return std::ranges::all_of(figures_of(goal).figures, [&](std::size_t f) { return search_.has_values(f); });
+    return std::ranges::all_of(figures_of(goal), [&](std::size_t f) { return search_.has_values(f); });
   }
 
   /// Returns the estimate of a goal on the goal's scale (rule 5).
   Estimate estimate_goal(std::size_t goal, const Choice& point) const {
-    const std::vector<std::size_t>& figures = figures_of(goal).figures;
+    const std::vector<std::size_t>& figures = figures_of(goal);
     if (!has_values(goal)) return {0, 1};
     if (figures.size() == 1) return estimate_figure(figures.front(), point);
     std::vector<Estimate> each;
@@ -201,7 +185,7 @@ class Search::Models {
         drawn[i] =
             from_figure_scale(figures[i], each[i].mean + each[i].deviation * normal_draws_[draw][i % kDimensions]);
       }
-      const double value = figures_of(goal).combine(drawn);
+      const double value = search_.goals_[goal].combine(drawn);
       sum += value;
       sum2 += value * value;
     }
@@ -212,17 +196,13 @@ class Search::Models {
   /// Returns the log probability that a constraint is met at a point. Metrics without any result are ignored.
   double log_probability_of(std::size_t g, const Choice& point) const {
     const Goal& goal = search_.goals_[g];
-    // A limit on the worst value must be met on each workload: probabilities multiply. Others limit the combined value.
-    const bool is_on_each =
-        figures_of(g).rule == GoalFigures::Rule::kWorst &&
-        (figures_of(g).figures.size() == 1 || figures_of(g).larger_is_better != goal.is_upper_limit());
-    if (!is_on_each) {
+    if (figures_of(g).size() > 1 && !goal.is_on_each()) {
       return has_values(g)
                  ? log_probability(estimate_goal(g, point), to_goal_scale(g, goal.limit), !goal.is_upper_limit())
                  : 0;
     }
     double sum = 0;
-    for (const std::size_t f : figures_of(g).figures) {
+    for (const std::size_t f : figures_of(g)) {
       if (!search_.has_values(f)) continue;
       sum += log_probability(estimate_figure(f, point), to_figure_scale(f, goal.limit), !goal.is_upper_limit());
     }
@@ -250,7 +230,7 @@ class Search::Models {
   /// Returns an objective's value at a simulated point, on the goal's scale. A noisy value is replaced by its estimate.
   double smoothed_goal(const Choice& point, std::size_t objective) const {
     const auto is_noisy = [&](std::size_t f) { return search_.errors_[f].contains(point); };
-    if (std::ranges::any_of(figures_of(objective).figures, is_noisy)) return estimate_goal(objective, point).mean;
+    if (std::ranges::any_of(figures_of(objective), is_noisy)) return estimate_goal(objective, point).mean;
     return to_goal_scale(objective, search_.goal_value(objective, point).value());
   }
 
@@ -333,8 +313,8 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
   objectives_ = static_cast<std::size_t>(std::ranges::count_if(goals_, &Goal::is_objective));
   std::size_t count = 0;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
-    if (options_.figures.size() <= g) options_.figures.push_back({{g}});
-    for (const std::size_t f : options_.figures[g].figures) count = std::max(count, f + 1);
+    if (options_.figures.size() <= g) options_.figures.push_back({g});
+    for (const std::size_t f : options_.figures[g]) count = std::max(count, f + 1);
   }
   values_.resize(count);
   errors_.resize(count);
@@ -343,7 +323,7 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
   for (std::size_t f = 0; f <= count; ++f) surrogates_.emplace_back(space_.axes);
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     if (goals_[g].is_objective() || goals_[g].limit > 0) continue;
-    for (const std::size_t f : options_.figures[g].figures) surrogates_[f].forbid_log();
+    for (const std::size_t f : options_.figures[g]) surrogates_[f].forbid_log();
   }
   std::uint64_t points = 1;
   for (std::size_t a = 0; a < space_.axes.size(); ++a) {
@@ -364,12 +344,12 @@ Score Search::score_of(std::span<const double> values) const {
 
 std::optional<double> Search::goal_value(std::size_t goal, const Choice& point) const {
   std::vector<double> values;
-  for (const std::size_t f : options_.figures[goal].figures) {
+  for (const std::size_t f : options_.figures[goal]) {
     const auto found = values_[f].find(point);
     if (found == values_[f].end()) return std::nullopt;
     values.push_back(found->second);
   }
-  return options_.figures[goal].combine(values);
+  return goals_[goal].combine(values);
 }
 
 double Search::exact_figure(std::size_t figure, const Choice& point) {
@@ -566,12 +546,12 @@ std::optional<Estimate> Search::combine_estimates(std::size_t goal,
                                                   std::span<const std::optional<Estimate>> figures) const {
   std::vector<double> means;
   double variance = 0;
-  for (const std::size_t f : options_.figures[goal].figures) {
+  for (const std::size_t f : options_.figures[goal]) {
     if (!figures[f]) return std::nullopt;
     means.push_back(figures[f]->mean);
     variance = std::max(variance, figures[f]->deviation * figures[f]->deviation);
   }
-  return Estimate{options_.figures[goal].combine(means), std::sqrt(variance)};
+  return Estimate{goals_[goal].combine(means), std::sqrt(variance)};
 }
 
 std::vector<std::vector<std::optional<Estimate>>> Search::estimate_figures(std::span<const Choice> points) {

@@ -19,16 +19,6 @@ struct Space {
   std::function<bool(const Choice&)> is_wanted;
 };
 
-/// The metrics that a goal combines, as indices. Each index is one metric on one workload ("figure").
-struct GoalFigures {
-  enum class Rule : std::uint8_t { kWorst, kMean, kGeomean };
-  std::vector<std::size_t> figures;
-  Rule rule = Rule::kWorst;
-  bool larger_is_better = true;  ///< the smallest value is the worst
-  /// Combines the values of a goal's metrics into the value of the goal. `values`: one per entry of `figures`.
-  double combine(std::span<const double> values) const;
-};
-
 /// The values of a point's metrics, one per metric and workload; nothing for a value that was not simulated.
 using FigureValues = std::vector<std::optional<double>>;
 
@@ -38,7 +28,7 @@ using FigureValues = std::vector<std::optional<double>>;
 /// 2. Then a Surrogate of each figure (a metric on one workload) estimates it, and NSGA-II searches the estimates.
 /// 3. The points with the largest expected hypervolume gain are proposed.
 /// 4. Lucky noise is not rewarded: noisy figures are smoothed, and simulated points count with smoothed values.
-/// 5. A constraint on several workloads must be met on each of them.
+/// 5. A goal combines its figures by its function over workloads (Goal::combine()).
 ///
 /// The same seed and the same results lead to the same points.
 class Search {
@@ -46,8 +36,8 @@ class Search {
   struct Options {
     std::uint64_t seed = 1;
     std::uint32_t population = 40;  ///< population of NSGA-II; a multiple of 4, at least 8
-    /// By goal: the figures that it combines. Empty: each goal has one figure of its own.
-    std::vector<GoalFigures> figures{};
+    /// By goal: indices of the figures that it combines, one or one per workload. Empty: one figure per goal.
+    std::vector<std::vector<std::size_t>> figures{};
     /// By figure: computes it exactly without a simulation; null for most. May be shorter than the list of figures.
     std::vector<std::function<double(const Choice&)>> exact{};
   };

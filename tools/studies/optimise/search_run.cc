@@ -14,6 +14,7 @@
 #include "sim/report/area.h"
 #include "tools/run/frame/idle_machine.h"
 #include "tools/sampling/tile_sampling.h"
+#include "tools/studies/optimise/probe.h"
 #include "tools/studies/sweep/spec/condition.h"
 
 namespace tools::optimise {
@@ -95,7 +96,7 @@ Task with_defaults(Task task) {
 SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
     : task_(with_defaults(task)),
       planner_(task_.space, folder),
-      evaluator_(task_.goals, workload_names(task_), task_.confidence, task_.file),
+      evaluator_(resolve_goals(), workload_names(task_), task_.confidence, task_.file),
       search_(make_space(), task_.goals, make_search_options()),
       ruled_out_(workloads().size()) {
   const bool is_sampled = task_.fidelity == Fidelity::kSampled || task_.fidelity == Fidelity::kTiles;
@@ -127,6 +128,29 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
   }
 }
 
+/// Gives the goals full report paths, which a tiny picture shows, and returns them. Leaves metrics that depend on the
+/// scene, and all metrics if the machines at the ends of the space cannot be simulated.
+std::vector<Goal> SearchRun::resolve_goals() {
+  Choice machine;
+  for (const AxisShape& axis : make_space().axes) machine.push_back(axis.values - 1);
+  Point point = planner_.make_point(on_workload(machine, 0), "");
+  if (!point.error.empty()) point = planner_.make_point(on_workload(Choice(machine.size(), 0), 0), "");
+  if (!point.error.empty()) return task_.goals;
+  std::vector<std::string> paths;
+  try {
+    paths = probe_report_paths(keys_.config_of(point), point.run_options());
+  } catch (const sim::InputError&) {  // the simulations report what is wrong with the machines
+    return task_.goals;
+  } catch (const sim::Deadlock&) {
+    return task_.goals;
+  }
+  const std::vector<std::string> workloads = workload_names(task_);
+  for (Goal& goal : task_.goals) {
+    if (!depends_on_scene(goal.metric)) goal.metric = resolve_metric(goal, paths, workloads);
+  }
+  return task_.goals;
+}
+
 Space SearchRun::make_space() const {
   Space space;
   for (const sweep::Axis& axis : task_.machine_axes()) {
@@ -148,13 +172,7 @@ Search::Options SearchRun::make_search_options() {
   std::map<Key, std::size_t> known;
   for (const Goal& goal : task_.goals) {
     const int side = goal.is_objective() || task_.confidence == 0 ? 0 : goal.is_upper_limit() ? 1 : -1;
-    GoalFigures& of_goal = options.figures.emplace_back();
-    of_goal.rule = goal.fold == Fold::kMean      ? GoalFigures::Rule::kMean
-                   : goal.fold == Fold::kGeomean ? GoalFigures::Rule::kGeomean
-                                                 : GoalFigures::Rule::kWorst;
-    Goal named = goal;  // whether more is better is known by the full path
-    if (!is_totals_path(named.metric)) named.metric = "totals." + named.metric;
-    of_goal.larger_is_better = named.is_larger_better();
+    std::vector<std::size_t>& of_goal = options.figures.emplace_back();
     std::vector<std::size_t>& by_workload = figures_.emplace_back();
     for (std::size_t w = 0; w < workloads().size(); ++w) {
       const std::size_t own = is_of_machine(goal) ? 0 : w;
@@ -166,9 +184,8 @@ Search::Options SearchRun::make_search_options() {
         if (is_total_area(goal)) exact = [this, quantile](const Choice& c) { return exact_area(c, quantile); };
       }
       by_workload.push_back(entry->second);
-      const bool is_needed =
-          evaluator_.needs_workload(goal, w) && std::ranges::count(of_goal.figures, entry->second) == 0;
-      if (is_needed) of_goal.figures.push_back(entry->second);
+      const bool is_needed = evaluator_.needs_workload(goal, w) && std::ranges::count(of_goal, entry->second) == 0;
+      if (is_needed) of_goal.push_back(entry->second);
     }
   }
   const auto is_set = [](const auto& exact) { return exact != nullptr; };

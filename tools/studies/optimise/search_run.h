@@ -36,7 +36,8 @@ struct Neighbour {
 ///    budget, until a best machine is confirmed.
 class SearchRun {
  public:
-  /// Relative paths in the task begin at `folder`. Throws InputError for an impossible task.
+  /// Relative paths in the task begin at `folder`. Throws InputError for an impossible task, and for a goal with a metric
+  /// that reports will lack.
   SearchRun(const Task& task, const std::filesystem::path& folder);
   SearchRun(const SearchRun&) = delete;
   SearchRun& operator=(const SearchRun&) = delete;
@@ -84,6 +85,7 @@ class SearchRun {
     const sweep::Store& store;
     const Hooks& hooks;
   };
+  std::vector<Goal> resolve_goals();
   Space make_space() const;
   Search::Options make_search_options();
   double exact_area(const Choice& choice, double quantile);

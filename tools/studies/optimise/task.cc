@@ -70,6 +70,16 @@ Goal parse_constraint_goal(const std::string& text) {
 
 }  // namespace
 
+bool Goal::is_larger_better() const {
+  // Directions are known by full paths.
+  const bool is_full = is_totals_path(metric) || !sweep::is_larger_better("totals." + metric);
+  return sweep::is_larger_better_in(set_metric(), is_full ? metric : "totals." + metric, !is_less_better());
+}
+
+double Goal::combine(std::span<const double> values) const {
+  return sweep::fold_workloads(fold, values, is_larger_better()).value_or(0);
+}
+
 bool Goal::is_on_each() const {
   using Fold = sweep::SetMetric::Kind;
   return fold == Fold::kEach || (fold == Fold::kWorst && is_larger_better() != is_upper_limit());

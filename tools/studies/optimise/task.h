@@ -27,13 +27,15 @@ struct Goal {
   /// Returns the metric as it is displayed: "worst(perf.fps)".
   std::string metric_text() const;
   /// True if larger values of the metric are better, so that `worst` is the smallest one.
-  bool is_larger_better() const { return sweep::is_larger_better_in(set_metric(), metric, !is_less_better()); }
+  bool is_larger_better() const;
+  /// Returns the value of the goal from those of its workloads.
+  double combine(std::span<const double> values) const;
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
   bool is_less_better() const { return kind == Kind::kMin || is_upper_limit(); }
   bool is_upper_limit() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
   /// True if the value meets the constraint. Always true for an objective.
   bool is_met(double value) const;
-  /// True for a constraint that must be met on each workload separately.
+  /// True for a constraint that must be met on each workload separately: worst(fps) >= 60, but not worst(fps) < 100.
   bool is_on_each() const;
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".

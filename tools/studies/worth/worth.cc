@@ -180,6 +180,7 @@ int run(const Options& options) {
                            ? options.search.out
                            : fs::path("raywatt-out") / fmt::format("worth-{}", options.search.file.stem().string());
   check_folder(out);
+  for (const SideSearch& side : answer.file.sides) optimise::check_task(options.search, side.task);
   const fs::path store_root = !options.search.store.empty() ? options.search.store : Store::default_root();
   const HoldInterrupts hold;
   for (const Side side : kSides) {

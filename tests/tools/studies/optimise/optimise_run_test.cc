@@ -295,7 +295,17 @@ TEST_F(Optimise, RefusesBadTasks) {
   refused(axes + "objectives: [{min: cycles}]\nbugdet: 30\n", {"bugdet", "did you mean 'budget'"});
   refused("axes: {cores: [1, 1000]}\nobjectives: [{min: cycles}]\n", {"cores", "64"});
   refused("program: supersample\nfidelity: sampled\n" + axes + "objectives: [{min: cycles}]\n", {"supersample"});
+  const std::string goals = axes + "objectives: [{min: area_mm2}]\nconstraints: ";
+  refused(goals + "[cores_are_none < 1]\n", {":5:15", "no report path 'cores_are_none'"});
+  refused(goals + "[psnr_db > 30]\n", {":5:15", "'psnr_db' without the key reference (--reference of a run)"});
+  refused(goals + "['on(cornell, totals.relative.speedup) > 2']\nworkloads: [cornell, teapot]\n",
+          {":5:15", "without the key reference"});
+  refused(goals + "[power_at_fps_w < 2]\n", {":5:15", "without the key frame.fps (--fps)"});
+  refused(goals + "[temporal_psnr_db > 30]\nreference: full:1\n", {":5:15", "and several frames"});
+  refused(axes + "objectives: [{max: fps_margin}]\n", {":4:20", "without the key frame.fps (--fps)"});
+  refused(axes + "objectives: [{max: sustained_fps}]\n", {"without the key thermal.minutes"});
   EXPECT_FALSE(fs::exists(folder.path() / "raywatt-out"));
+  EXPECT_FALSE(fs::exists(out)) << "all are refused before the folder is made";
 }
 
 // Searches over several workloads.

@@ -89,7 +89,8 @@ struct SearchOfModel : testing::Test {
 
   static Task task_of(const std::string& lines) {
     return parse_task(
-        *sim::parse_yaml_mapping("schema: raywatt-optimise/1\nresolution: 1920x1080\n" + lines, "search.yaml"),
+        *sim::parse_yaml_mapping("schema: raywatt-optimise/1\nresolution: 1920x1080\nsets: [frame.fps=60]\n" + lines,
+                                 "search.yaml"),
         "search.yaml");
   }
   /// Runs a search and returns the number of cores of each machine on its front.
@@ -169,6 +170,17 @@ TEST_F(SearchOfModel, NamesTheLimitThatANeighbourMissesByConfidenceAlone) {
   EXPECT_EQ(trades[0].breaks, 1U);
   EXPECT_LT(trades[0].reached, 1);
   EXPECT_FALSE(trades[0].is_feasible);
+}
+
+TEST_F(SearchOfModel, KnowsFullPathsAndDirectionsBeforeTheFirstSimulation) {
+  const SearchRun search(task_of("workloads: [cornell, teapot]\naxes: {cores: [3, 4]}\nobjectives: [min: area_mm2]\n"
+                                 "constraints: [worst(fps) < 100, kernels.shade_diffuse.cycles < 9]\nbudget: 4\n"),
+                         folder.path());
+  EXPECT_EQ(search.goals()[0].metric, "totals.area_mm2");
+  EXPECT_EQ(search.goals()[1].metric, "totals.perf.fps");
+  EXPECT_TRUE(search.goals()[1].is_larger_better()) << "the direction of the metric, not of its limit";
+  EXPECT_FALSE(search.goals()[1].is_on_each());
+  EXPECT_EQ(search.goals()[2].metric, "kernels.shade_diffuse.cycles") << "scenes decide which kernels there are";
 }
 
 TEST_F(SearchOfModel, SimulatesEveryMachineOnRequest) {

@@ -404,7 +404,7 @@ struct OnWorkloads {
   /// Returns the least area that a search finds. Machines stop at the first workload that breaks the limit.
   double found_area(std::uint64_t seed, bool knows_area, std::size_t budget) const {
     Search::Options options{.seed = seed};
-    options.figures = {{{0}}, {{1, 2, 3}}};
+    options.figures = {{0}, {1, 2, 3}};
     if (knows_area) options.exact = {[&](const Choice& c) { return area(position(c)); }};
     Search search({space.axes, space.is_wanted}, space.goals, options);
     for (std::size_t all = 0; all < budget;) {
@@ -448,17 +448,35 @@ TEST(Search, NeedsFewerMachinesIfTheAreaIsKnown) {
 }
 
 TEST(Search, CombinesFiguresOfAGoal) {
-  using Rule = GoalFigures::Rule;
+  using Fold = tools::sweep::SetMetric::Kind;
   const std::vector<double> values = {2, 4, 27};
-  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kWorst, true}.combine(values)), 2);
-  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kWorst, false}.combine(values)), 27);
-  EXPECT_EQ((GoalFigures{{0, 1, 2}, Rule::kMean, true}.combine(values)), 11);
-  EXPECT_NEAR((GoalFigures{{0, 1, 2}, Rule::kGeomean, true}.combine(values)), 6, 1e-12);
+  const auto combined = [&](Goal::Kind kind, const char* metric, Fold fold) {
+    return Goal{kind, metric, 5, "", fold}.combine(values);
+  };
+  EXPECT_EQ(combined(Goal::Kind::kMax, "f", Fold::kWorst), 2);
+  EXPECT_EQ(combined(Goal::Kind::kMin, "f", Fold::kWorst), 27);
+  EXPECT_EQ(combined(Goal::Kind::kMin, "f", Fold::kMean), 11);
+  EXPECT_NEAR(combined(Goal::Kind::kMin, "f", Fold::kGeomean), 6, 1e-12);
+  EXPECT_EQ(combined(Goal::Kind::kBelow, "perf.fps", Fold::kWorst), 2) << "the metric's direction, not the limit's";
+  EXPECT_EQ(combined(Goal::Kind::kBelow, "perf.fps", Fold::kEach), 27);
+}
+
+TEST(Search, ReadsALimitAgainstTheMetricsDirectionAsTheWorstValue) {
+  using Fold = tools::sweep::SetMetric::Kind;
+  Search::Options options;
+  options.figures = {{0}, {1, 2}};
+  const Goal below{Goal::Kind::kBelow, "totals.perf.fps", 100, "", Fold::kWorst};
+  EXPECT_FALSE(below.is_on_each());
+  Search search({fours(2), [](const Choice&) { return true; }}, {kMin, below}, options);
+  search.add_result({0, 0}, std::vector<double>{5, 90, 200});
+  search.add_result({0, 1}, std::vector<double>{5, 110, 200});
+  EXPECT_TRUE(search.feasible_scores().contains({0, 0})) << "90 is the worst of both";
+  EXPECT_FALSE(search.feasible_scores().contains({0, 1}));
 }
 
 TEST(Search, PointsWithoutAFigureAreNotFeasible) {
   Search::Options options;
-  options.figures = {{{0}}, {{1, 2}}};
+  options.figures = {{0}, {1, 2}};
   const Goal above{Goal::Kind::kAbove, "g", 1, ""};
   Search search({fours(2), [](const Choice&) { return true; }}, {kMin, above}, options);
   search.add_partial_result({0, 0}, {5.0, 2.0, std::nullopt}, {}, false);

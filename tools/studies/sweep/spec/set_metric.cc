@@ -237,14 +237,16 @@ bool is_larger_better_in(const SetMetric& metric, std::string_view path, bool la
 std::optional<double> fold_workloads(SetMetric::Kind kind, std::span<const double> values, bool larger_is_better) {
   if (values.empty() || (kind == SetMetric::Kind::kOn && values.size() != 1)) return std::nullopt;
   if (values.size() == 1) return values.front();
-  std::vector<MetricEstimate> estimates;
-  for (const double value : values) estimates.push_back({value});
-  if (kind == SetMetric::Kind::kMean) return weighted_sum(estimates, 1 / static_cast<double>(values.size())).value;
-  if (kind == SetMetric::Kind::kGeomean) {
-    const std::optional<MetricEstimate> mean = geomean_estimate(std::move(estimates));
-    return mean ? std::optional(mean->value) : std::nullopt;
+  if (kind == SetMetric::Kind::kEach || kind == SetMetric::Kind::kWorst)
+    return larger_is_better ? std::ranges::min(values) : std::ranges::max(values);
+  const bool is_geomean = kind == SetMetric::Kind::kGeomean;
+  const double weight = 1 / static_cast<double>(values.size());
+  double sum = 0;
+  for (const double value : values) {
+    if (is_geomean && !(value > 0)) return std::nullopt;
+    sum += weight * (is_geomean ? std::log(value) : value);
   }
-  return larger_is_better ? std::ranges::min(values) : std::ranges::max(values);
+  return is_geomean ? std::exp(sum) : sum;
 }
 
 std::optional<MeasuredFigure> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
