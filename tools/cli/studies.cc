@@ -89,7 +89,7 @@ void add_optimise_command(CLI::App& app, int& exit) {
   verb->add_option("--store", options->store,
                    "folder of results, shared with sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
   add_launcher_options(*verb, *options);
-  verb->add_option("--budget", options->budget, "number of points to simulate (default: the file's, or 100)")
+  verb->add_option("--budget", options->budget, "number of machines to simulate (default: the file's, or 100)")
       ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
   refuse_negative(*verb->add_option("--seed", options->seed, "random seed (default: the file's, or 1)"));
   verb->add_option("--fidelity", options->fidelity,
@@ -114,7 +114,7 @@ void add_optimise_command(CLI::App& app, int& exit) {
   verb->add_flag("--quiet", options->quiet, "print no table and no progress bar");
   add_progress_option(*verb, options->progress);
   verb->footer(
-      "The same command continues an interrupted search. Exit code 1 if no point meets the constraints, or points\n"
+      "The same command continues an interrupted search. Exit code 1 if no machine meets the constraints, or runs\n"
       "failed.\n\n"
       "Example: raywatt optimise optimise-cores -o out/best -j 4");
   verb->callback([options, &exit] {
@@ -135,7 +135,7 @@ void add_worth_command(CLI::App& app, int& exit) {
   verb->add_option("--store", search.store,
                    "folder of results, shared with sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
   add_launcher_options(*verb, search);
-  verb->add_option("--budget", search.budget, "number of points to simulate per side (default: the file's, or 100)")
+  verb->add_option("--budget", search.budget, "number of machines to simulate per side (default: the file's, or 100)")
       ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
   refuse_negative(*verb->add_option("--seed", search.seed, "random seed (default: the file's, or 1)"));
   add_fps_option(*verb, search.sets);

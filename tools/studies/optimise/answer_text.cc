@@ -24,7 +24,7 @@ std::string goals_text(const SearchRun& search) {
                      fmt::join(constraints, ", "));
 }
 
-/// Returns the simulated points that have metrics.
+/// Returns the simulated machines that have metrics.
 std::vector<const Trial*> done_trials(const SearchRun& search) {
   std::vector<const Trial*> all;
   for (const Trial& trial : search.trials()) {
@@ -33,8 +33,8 @@ std::vector<const Trial*> done_trials(const SearchRun& search) {
   return all;
 }
 
-/// Returns as text how many points meet each constraint on all workloads: "perf.fps >= 60: 20, area_mm2 < 1: 25".
-/// Points that were ruled out early do not count, because their other workloads are unknown.
+/// Returns as text how many machines meet each constraint on all workloads: "perf.fps >= 60: 20, area_mm2 < 1: 25".
+/// Machines that were ruled out early do not count, because their other workloads are unknown.
 std::string met_text(const SearchRun& search) {
   const std::vector<const Trial*> all = done_trials(search);
   std::vector<std::string> each;
@@ -49,43 +49,43 @@ std::string met_text(const SearchRun& search) {
   return fmt::format("{}", fmt::join(each, ", "));
 }
 
-/// Returns as text how many points are feasible; empty without constraints.
+/// Returns as text how many machines are feasible; empty without constraints.
 std::string feasible_text(const SearchRun& search) {
   const std::string met = met_text(search);
   if (met.empty()) return "";
-  return fmt::format("{} of {} points meet all constraints ({})\n", search.feasible_trials().size(),
+  return fmt::format("{} of {} machines meet all constraints ({})\n", search.feasible_trials().size(),
                      done_trials(search).size(), met);
 }
 
-/// Lists points whose distance from a limit is less than half of the 95 % interval of the metric.
+/// Lists machines whose distance from a limit is less than half of the 95 % interval of the metric.
 std::string doubtful_text(const SearchRun& search, const std::vector<const Trial*>& trials) {
   std::string text;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
     if (goal.is_objective()) continue;
-    std::vector<std::size_t> points;
+    std::vector<std::size_t> machines;
     for (const Trial* trial : trials) {
       if (std::abs(trial->value(g) - goal.limit) < trial->seen[g]->half_width()) {
-        points.push_back(number_of(search, *trial));
+        machines.push_back(number_of(search, *trial));
       }
     }
-    if (points.empty()) continue;
+    if (machines.empty()) continue;
     text += fmt::format("within the noise of the limit {}: {} {}\n", goal.text(),
-                        points.size() == 1 ? "point" : "points", fmt::join(points, ", "));
+                        machines.size() == 1 ? "machine" : "machines", fmt::join(machines, ", "));
   }
   return text;
 }
 
-/// Lists the extrapolation warnings of the points in `answer`, then all other points with extrapolated metrics.
+/// Lists the extrapolation warnings of the machines in `answer`, then all other machines with extrapolated metrics.
 std::string extrapolations_text(const SearchRun& search, const std::vector<const Trial*>& answer) {
   std::map<std::string, std::vector<std::size_t>> lines;
   for (const Trial* trial : answer) {
     for (const std::string& line : trial->extrapolations()) lines[line].push_back(number_of(search, *trial));
   }
   std::string text;
-  for (const auto& [line, points] : lines) {
-    text += fmt::format("warning: {} {}: {}\n", points.size() == 1 ? "point" : "points", fmt::join(points, ", "),
-                        sim::printable(line, 500));
+  for (const auto& [line, machines] : lines) {
+    text += fmt::format("warning: {} {}: {}\n", machines.size() == 1 ? "machine" : "machines",
+                        fmt::join(machines, ", "), sim::printable(line, 500));
   }
   std::vector<std::size_t> others;
   for (const Trial* trial : done_trials(search)) {
@@ -96,12 +96,12 @@ std::string extrapolations_text(const SearchRun& search, const std::vector<const
   if (others.empty()) return text;
   const std::size_t all = others.size();
   others.resize(std::min(all, kMostNamed));
-  return text + fmt::format("{}points with extrapolated figures, which warnings[] of their reports name: {}{}\n",
+  return text + fmt::format("{}machines with extrapolated figures, which warnings[] of their reports name: {}{}\n",
                             lines.empty() ? "" : "more ", fmt::join(others, ", "),
                             all > others.size() ? fmt::format(" and {} more", all - others.size()) : "");
 }
 
-/// Returns a table of points with half of the 95 % interval of each noisy metric and the distance to its limits.
+/// Returns a table of machines with half of the 95 % interval of each noisy metric and the distance to its limits.
 std::string table_text(const SearchRun& search, const std::vector<const Trial*>& trials) {
   const std::vector<std::size_t> goals = shown_goals(search);
   std::vector<std::string> header = {"n"};
@@ -139,14 +139,14 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
   return table.text();
 }
 
-/// Lists points that are within noise of the Pareto front, and names the source of the noise.
+/// Lists machines that are within noise of the Pareto front, and names the source of the noise.
 std::string near_text(const SearchRun& search) {
   const std::string noise = noise_text(search);
   if (noise.empty()) return "";
   std::vector<const Trial*> near = near_front(search);
   const char* const what = std::ranges::count_if(search.goals(), &Goal::is_objective) == 1 ? "the best" : "the front";
-  if (near.empty()) return fmt::format("\nall other points differ from {} by more than noise; {}\n", what, noise);
-  std::string text = fmt::format("\n{} more point{} equal{} {} within noise; {}\n", near.size(),
+  if (near.empty()) return fmt::format("\nall other machines differ from {} by more than noise; {}\n", what, noise);
+  std::string text = fmt::format("\n{} more machine{} equal{} {} within noise; {}\n", near.size(),
                                  near.size() == 1 ? "" : "s", near.size() == 1 ? "s" : "", what, noise);
   const std::size_t all = near.size();
   near.resize(std::min(all, kMostNear));
@@ -217,9 +217,9 @@ std::string check_text(const Answer& answer) {
   for (const Trial& trial : answer.search.trials()) {
     if (trial.whole.empty()) continue;
     if (answer.is_checked) {
-      text += fmt::format("\npoint {}\n\n{}", number_of(answer.search, trial), workloads_text(answer.search, trial));
+      text += fmt::format("\nmachine {}\n\n{}", number_of(answer.search, trial), workloads_text(answer.search, trial));
     } else if (!trial.is_feasible) {
-      text += fmt::format("point {} breaks a limit by whole frames\n", number_of(answer.search, trial));
+      text += fmt::format("machine {} breaks a limit by whole frames\n", number_of(answer.search, trial));
     }
   }
   return answer.is_checked ? "\ncheck with whole frames:\n" + text : text;
@@ -254,10 +254,10 @@ std::string front_text(const Answer& answer) {
   return text + commands_text(search, front);
 }
 
-/// Explains why no point is feasible.
+/// Explains why no machine is feasible.
 std::string infeasible_text(const SearchRun& search) {
   const Trial* nearest = search.least_infeasible();
-  if (nearest == nullptr) return "no point could be simulated; history.jsonl has the reasons\n";
+  if (nearest == nullptr) return "no machine could be simulated; history.jsonl has the reasons\n";
   std::vector<std::string> missed;
   const double confidence = search.task().confidence;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
@@ -271,7 +271,8 @@ std::string infeasible_text(const SearchRun& search) {
   std::vector<std::string> axes;
   for (const auto& [name, value] : nearest->axes) axes.push_back(sim::printable(name + "=" + value));
   return fmt::format(
-      "none of {} points meets the constraints; the nearest is {} ({}), with {}\npoints that meet {}\nfidelity: {}\n{}",
+      "none of {} machines meets the constraints; the nearest is {} ({}), with {}\nmachines that meet {}\nfidelity: "
+      "{}\n{}",
       search.simulated_count(), number_of(search, *nearest), fmt::join(axes, ", "), fmt::join(missed, ", "),
       met_text(search), search.fidelity_text(), extrapolations_text(search, {nearest}));
 }
@@ -288,18 +289,18 @@ std::string summary_text(const Answer& answer) {
   const std::uint64_t looks = count([](const Trial& t) { return t.is_look && t.status != PointStatus::kImpossible; });
   const std::uint64_t failed = count([](const Trial& t) { return t.status == PointStatus::kFailed; });
   const std::uint64_t impossible = count([](const Trial& t) { return t.status == PointStatus::kImpossible; });
-  std::string text = fmt::format("{} points simulated", search.simulated_count());
+  std::string text = fmt::format("{} machines simulated", search.simulated_count());
   if (looks != 0) text += fmt::format(" after {} first looks", looks);
-  text += fmt::format(": {} computed now, {} found in the store", search.computed_count(),
+  text += fmt::format(": {} runs computed now, {} found in the store", search.computed_count(),
                       search.stored_simulation_count());
   if (search.workloads().size() > 1) {
-    text += fmt::format("; {} simulations needless after the first workloads", search.skipped_count());
+    text += fmt::format("; {} runs needless after the first workloads", search.skipped_count());
   }
   if (failed != 0) text += fmt::format(", {} failed", failed);
   if (impossible != 0) text += fmt::format(", {} impossible", impossible);
   const double minutes = answer.seconds / 60;
   if (search.computed_count() != 0 && minutes > 0) {
-    text += fmt::format("\n{:.1f} minutes, {:.1f} points and {:.1f} simulations per minute", minutes,
+    text += fmt::format("\n{:.1f} minutes, {:.1f} machines and {:.1f} runs per minute", minutes,
                         static_cast<double>(search.simulated_count()) / minutes,
                         static_cast<double>(search.computed_count()) / minutes);
   }

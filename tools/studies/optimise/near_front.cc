@@ -85,7 +85,7 @@ std::vector<const Trial*> near_front(const SearchRun& search) {
   return near;
 }
 
-/// Names the source of the noise of the objectives: "noise measured by 5 replicates a point"; empty without noise.
+/// Names the source of the noise of the objectives: "noise measured by 5 replicates per run"; empty without noise.
 std::string noise_text(const SearchRun& search) {
   std::vector<std::string> parts, shares, assumed;
   const auto add = [](std::vector<std::string>& all, std::string text) {
@@ -94,7 +94,7 @@ std::string noise_text(const SearchRun& search) {
   for (const Trial* trial : search.feasible_trials()) {
     for (std::size_t g = 0; g < search.goals().size() && search.goals()[g].is_objective(); ++g) {
       const MeasuredFigure& seen = *trial->seen[g];
-      if (seen.draws) add(parts, fmt::format("noise measured by {} replicates per point", seen.draws->count));
+      if (seen.draws) add(parts, fmt::format("noise measured by {} replicates per run", seen.draws->count));
       if (seen.assumed <= 0) continue;
       const std::string share = fmt::format("{:.2g} %", 100 * seen.assumed);
       add(shares, share);

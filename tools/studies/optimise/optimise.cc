@@ -121,7 +121,7 @@ int run(const Options& options, Task task, const std::string& text,
   progress.begin_part("simulating", 0, static_cast<std::uint32_t>(task.budget));
   const auto announce = [&](const std::vector<Point>& points) {
     write_points(points, former);
-    progress.set_phase(fmt::format("{} of {} simulations, {} on the front", search.simulated_count(), task.budget,
+    progress.set_phase(fmt::format("{} of {} machines, {} on the front", search.simulated_count(), task.budget,
                                    search.pareto_front().size()));
     progress.set_tiles_done(static_cast<std::uint32_t>(search.simulated_count()), 0, 0);
   };
@@ -140,7 +140,7 @@ int run(const Options& options, Task task, const std::string& text,
   }
   sim::write_file_atomically(out / "history.jsonl", history_jsonl(search));
   sim::write_file_atomically(out / "front.csv", front_csv(search));
-  set_interrupt_note(fmt::format("kept {} of {} simulations; run the same command again to continue",
+  set_interrupt_note(fmt::format("kept {} of {} machines; run the same command again to continue",
                                  search.simulated_count(), task.budget));
   if (!finished) return kGood;  // the destructor of `hold` ends the process
   if (on_end) on_end(search);

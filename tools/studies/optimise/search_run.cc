@@ -299,7 +299,7 @@ bool SearchRun::simulate_runs(const std::vector<WorkloadRun*>& runs, const std::
       continue;
     }
     if (end.statuses[p] != PointStatus::kFailed) {
-      throw sim::IoError("points were not simulated because a worker stopped; run the same command again to continue");
+      throw sim::IoError("runs are missing because a worker stopped; run the same command again to continue");
     }
     run.status = PointStatus::kFailed;
     const std::optional<sweep::Failure> failure = with.store.read_failure(run.point.id);

@@ -60,7 +60,7 @@ TEST_F(Optimise, SimulatesItsBudgetAndKeepsTheFront) {
   const ProcessResult ending = run(kSearch);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "front of max perf.fps, min power_w.nominal");
-  EXPECT_SAYS(ending.out, "10 points simulated");
+  EXPECT_SAYS(ending.out, "10 machines simulated");
   EXPECT_EQ(points_in(store), 10U);
   std::set<std::string> ids, best;
   for (const Json& point : history()) {
@@ -123,7 +123,7 @@ TEST_F(Optimise, NamesPointsThatEqualTheBestWithinNoise) {
   EXPECT_SAYS(single.out, " equal");
   const ProcessResult both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
   ASSERT_EQ(both.exit, 0) << both.err;
-  EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates per point");
+  EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates per run");
   EXPECT_SAYS(both.out, "--replicates 3");
 }
 
@@ -138,7 +138,7 @@ TEST_F(Optimise, RepeatedComputesNothingAndKeepsEveryByte) {
   const std::string before = results();
   const ProcessResult again = run(kSearch, {"-j", "1"});
   EXPECT_EQ(again.exit, 0) << again.err;
-  EXPECT_SAYS(again.out, "10 points simulated: 0 computed now, 10 found");
+  EXPECT_SAYS(again.out, "10 machines simulated: 0 runs computed now, 10 found");
   EXPECT_EQ(results(), before);
   EXPECT_EQ(points_in(store), 10U);
 }
@@ -167,22 +167,22 @@ TEST_F(Optimise, ReusesResultsOfASweep) {
   out = folder.path() / "search";
   const ProcessResult ending = run(kSearch);
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.out, "10 points simulated: 0 computed now, 10 found");
+  EXPECT_SAYS(ending.out, "10 machines simulated: 0 runs computed now, 10 found");
 }
 
 TEST_F(Optimise, EndsWhenTheSpaceHasNoMorePoints) {
   const ProcessResult ending = run("axes: {cores: [1, 2, 3]}\nobjectives: [{min: cycles}]\n");
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "best: min cycles");
-  EXPECT_SAYS(ending.out, "3 points simulated");
+  EXPECT_SAYS(ending.out, "3 machines simulated");
 }
 
 TEST_F(Optimise, NamesTheNearestPointIfNoneMeetsTheConstraints) {
   const ProcessResult ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
-  EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
+  EXPECT_SAYS(ending.out, "none of 10 machines meets the constraints; the nearest is ");
   EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is required (room -");
-  EXPECT_SAYS(ending.out, "points that meet power_w.nominal < 0.0001: 0, cycles > 0: 10");
+  EXPECT_SAYS(ending.out, "machines that meet power_w.nominal < 0.0001: 0, cycles > 0: 10");
   EXPECT_EQ(front().size(), 1U) << "the header";
 }
 
@@ -200,7 +200,7 @@ TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
     feasible += point["feasible"] ? 1 : 0;
   }
   EXPECT_SAYS(ending.out,
-              fmt::format("{0} of 12 points meet all constraints (power_w.nominal <= 0.45: {0})", feasible));
+              fmt::format("{0} of 12 machines meet all constraints (power_w.nominal <= 0.45: {0})", feasible));
   EXPECT_SAYS(ending.out, "room to <= 0.45");
   EXPECT_EQ(std::stod(front()[1][6]), best);
 }
@@ -209,8 +209,8 @@ TEST_F(Optimise, NamesExtrapolatedPoints) {
   const ProcessResult ending =
       run("axes: {clocks.tni: [300 MHz], cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.out, "warning: point 0: power.dvfs: clocks.tni of 300 MHz");
-  EXPECT_SAYS(ending.out, "more points with extrapolated figures, which warnings[] of their reports name: 1\n");
+  EXPECT_SAYS(ending.out, "warning: machine 0: power.dvfs: clocks.tni of 300 MHz");
+  EXPECT_SAYS(ending.out, "more machines with extrapolated figures, which warnings[] of their reports name: 1\n");
   EXPECT_EQ(run("axes: {cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n").out.find("extrapolated"),
             std::string::npos);
 }
@@ -232,7 +232,7 @@ TEST_F(Optimise, DoesNotCountPointsOfInvalidCombinations) {
           "  cores: [1, 2]\n"
           "objectives: [{min: cycles}]\n");
   EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
-  EXPECT_SAYS(ending.out, "6 points simulated");
+  EXPECT_SAYS(ending.out, "6 machines simulated");
   EXPECT_SAYS(ending.out, "2 impossible");
 }
 
@@ -242,7 +242,7 @@ TEST_F(Optimise, LooksBySamplingFirstAndConfirmsTheFront) {
           "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 4\n",
           {"--fidelity", "sampled"});
   EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
-  EXPECT_SAYS(ending.out, "4 points simulated after ");
+  EXPECT_SAYS(ending.out, "4 machines simulated after ");
   std::size_t looks = 0;
   for (const Json& point : history()) looks += point.contains("look") ? 1 : 0;
   EXPECT_GE(looks, 4U);
@@ -334,7 +334,7 @@ TEST_F(Optimise, FindsTheSmallestMachineOfAWholeSpaceOnAllWorkloads) {
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "best: min area_mm2 with cycles < ");
   EXPECT_SAYS(ending.out, "fidelity: whole frames of 16x16, warm start");
-  EXPECT_SAYS(ending.out, "simulations needless after the first workloads");
+  EXPECT_SAYS(ending.out, "runs needless after the first workloads");
   EXPECT_EQ(std::stod(front()[1][6]), best);
   EXPECT_EQ(front()[0][8], "command on cornell");
   EXPECT_EQ(front()[0][9], "command on pot");
