@@ -13,6 +13,7 @@
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/sampling/tile_sampling.h"
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
@@ -87,19 +88,19 @@ StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& 
 }
 
 StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
-                           std::uint32_t replicates)
+                           std::uint32_t replicates, const std::optional<TileSampling>& sampling)
     : StoredFrames(
           file,
           [&](const traces::Json& header, const std::string& name) {
             check_recorded(header, name, config);
             return config;
           },
-          threads, replicates) {}
+          threads, replicates, sampling) {}
 
 StoredFrames::StoredFrames(const std::filesystem::path& file,
                            const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
-                           std::uint32_t threads, std::uint32_t replicates)
-    : trace_(file), threads_(threads), replicates_(replicates) {
+                           std::uint32_t threads, std::uint32_t replicates, const std::optional<TileSampling>& sampling)
+    : trace_(file), threads_(threads), replicates_(replicates), sampling_(sampling) {
   const std::string name = sim::printable(file.string());
   try {
     trace_.add_file_name_to_errors([&] { check_header(trace_.header()); });
@@ -147,10 +148,10 @@ bool StoredFrames::advance_frame() {
   return true;
 }
 
-const Part& StoredFrames::find_part(bool reference) const {
+const Part& StoredFrames::find_part(bool reference, bool pilot) const {
   return trace_.add_file_name_to_errors([&]() -> const Part& {
     const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
-      return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
+      return p.frame == inputs_.frame && p.reference == reference && p.pilot == pilot && p.tiles != 0;
     });
     if (found == trace_.parts().end()) throw sim::InputError(fmt::format("has no work of frame {}", inputs_.frame));
     return *found;
@@ -199,7 +200,23 @@ FrameResult StoredFrames::simulate_part(const Part& part, const kernels::Program
   return s;
 }
 
+FrameResult StoredFrames::simulate_samples() {
+  const Part &part = find_part(false), &thin = find_part(false, true);
+  load_tree(part);
+  traces::TileScope thin_scope = scope_;
+  thin_scope.region_bytes = thin.requirements.region_bytes;
+  thin_scope.tile_bytes = traces::most_tile_bytes(thin.requirements);
+  ReplayProgram pilot(trace_, thin, thin_scope, kernels_);
+  const auto thinning = trace_.add_file_name_to_errors([&] { return thin.result.at("thinning").get<double>(); });
+  const auto make_frame = [&]() -> std::unique_ptr<kernels::FrameProgram> {
+    return std::make_unique<ReplayProgram>(trace_, part, scope_, kernels_);
+  };
+  const NoTracer tracer;
+  return simulate_sampled(inputs_, program_, {make_frame, pilot, thinning, tracer}, threads_, *sampling_);
+}
+
 FrameResult StoredFrames::simulate(const SimulateOptions& extras) {
+  if (sampling_) return simulate_samples();
   return simulate_part(find_part(false), program_, extras, caches_);
 }
 

@@ -18,8 +18,9 @@ class StoredFrames final : public FrameSource {
   StoredFrames(const std::filesystem::path& file, const JobOptions& options);
   /// Opens a trace and simulates each frame `replicates` times. Takes a complete configuration, not command-line
   /// options.
+  /// With `sampling`, only samples of the tiles are simulated; the trace must have pilots (record_sampled_work()).
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
-               std::uint32_t replicates);
+               std::uint32_t replicates, const std::optional<TileSampling>& sampling = {});
 
   std::uint32_t frame_count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
   /// Estimates the host time to simulate all frames, in seconds. For a long trace it first simulates a few tiles to
@@ -27,6 +28,7 @@ class StoredFrames final : public FrameSource {
   double estimate_seconds();
 
   const Inputs& inputs() const override { return inputs_; }
+  bool has_whole_frames() const override { return !sampling_; }
   bool has_reference() const override { return reference_.has_value(); }
   std::uint32_t replicates() const override { return replicates_; }
   FrameResult simulate(const SimulateOptions& extras) override;
@@ -39,12 +41,13 @@ class StoredFrames final : public FrameSource {
  private:
   StoredFrames(const std::filesystem::path& file,
                const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
-               std::uint32_t threads, std::uint32_t replicates);
+               std::uint32_t threads, std::uint32_t replicates, const std::optional<TileSampling>& sampling = {});
   /// Returns the number of traversal steps in the trace, over all frames and reference frames.
   double recorded_steps() const;
   void read_frame(std::size_t index);
   using Caches = std::shared_ptr<const hw::CacheContents>;
-  const traces::TraceReader::Part& find_part(bool reference) const;
+  const traces::TraceReader::Part& find_part(bool reference, bool pilot = false) const;
+  FrameResult simulate_samples();
   /// Simulates a part of the trace: a frame or its reference. `caches`: contents of the caches at its start; replaced
   /// by those at its end.
   FrameResult simulate_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
@@ -56,6 +59,7 @@ class StoredFrames final : public FrameSource {
   kernels::ProgramSpec program_;
   std::optional<kernels::ProgramSpec> reference_;
   const std::uint32_t threads_, replicates_;
+  const std::optional<TileSampling> sampling_;
   std::size_t index_ = 0;                  ///< index of the current frame in the trace
   PictureError error_;                     ///< error of the current frame's picture
   std::vector<traces::KernelId> kernels_;  ///< kernel of this build for each kernel number in the trace

@@ -48,19 +48,21 @@ std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::Prog
   return std::max(1U, render.tile / grid) * grid;
 }
 
-Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                   std::uint32_t threads, Progress* progress) {
+kernels::FullProgram make_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
+  return pilot_program(inputs, spec, kSides, thinning);
+}
+
+Pilot survey_tiles(const Inputs& inputs, kernels::FrameProgram& program, double thinning,
+                   const kernels::FrameRequirements& requirements, const traces::Tracer& tracer, std::uint32_t threads,
+                   Progress* progress) {
   if (progress != nullptr) progress->set_phase("looking at all tiles");
   Pilot pilot;
-  kernels::FullProgram program = pilot_program(inputs, spec, kSides, pilot.thinning);
+  pilot.thinning = thinning;
   std::vector<hw::KernelSchedule> kernels;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     kernels.push_back(hw::schedule_kernel(kernel.graph, inputs.config.gpu->srp));
   }
   const hw::GpuConfig& gpu = *inputs.config.gpu;
-  const kernels::FrameRequirements requirements =
-      kernels::FullProgram(inputs.image, inputs.camera, inputs.config.render, spec.samples, inputs.frame)
-          .requirements();
   const hw::TilesInFlight tiles = hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer);
   const hw::TileBuffer buffer(gpu.tile_buffer, requirements, gpu.clocks.srp.clock(), gpu.ideal.tile_buffer);
   TilePilot tile_pilot(gpu, inputs.image.layout, kernels, pilot.thinning,

@@ -6,6 +6,7 @@
 
 #include "hw_models/memory/cache_tags.h"
 #include "hw_models/srp/schedule.h"
+#include "shader_kernels/programs/full.h"
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/memory_image.h"
 #include "traces/stream.h"
@@ -49,9 +50,15 @@ struct Pilot {
 /// Returns the side length of a tile, in samples.
 std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec);
 
-/// Renders a picture with few samples and predicts traits and cost of every tile from it.
-Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                   std::uint32_t threads, Progress* progress);
+/// Returns the program of the pilot: one sample per square of samples, and the same number of tiles as the frame.
+/// `thinning`: set to the frame's samples per sample of the pilot.
+kernels::FullProgram make_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning);
+
+/// Predicts traits and cost of every tile by executing the pilot, a picture with few samples. `requirements`: of the
+/// frame.
+Pilot survey_tiles(const Inputs& inputs, kernels::FrameProgram& program, double thinning,
+                   const kernels::FrameRequirements& requirements, const traces::Tracer& tracer, std::uint32_t threads,
+                   Progress* progress);
 
 /// Estimates the relative host time of each tile from a picture with even fewer samples than survey_tiles() renders.
 std::vector<double> estimate_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,

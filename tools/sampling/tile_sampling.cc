@@ -21,10 +21,13 @@
 #include "tools/noise/noise.h"
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/frame/warm_start.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/timed_tiles.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/trace_writer.h"
+#include "traces/trace_file/tree_links.h"
 
 namespace tools {
 namespace {
@@ -433,9 +436,22 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
   check_render(inputs.config.render);
-  const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
-  const Pilot pilot = survey_tiles(inputs, program, tracer, threads, progress);
+  double thinning = 1;
+  kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
+  const auto make_frame = [&]() -> std::unique_ptr<kernels::FrameProgram> {
+    return std::make_unique<kernels::FullProgram>(inputs.image, inputs.camera, inputs.config.render, program.samples,
+                                                  inputs.frame);
+  };
+  return simulate_sampled(inputs, program, {make_frame, pilot, thinning, tracer}, threads, sampling, progress);
+}
+
+FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, const SampledWork& work,
+                             std::uint32_t threads, const TileSampling& sampling, Progress* progress) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::Tracer& tracer = work.tracer;
+  const Pilot pilot =
+      survey_tiles(inputs, work.pilot, work.thinning, work.make_frame()->requirements(), tracer, threads, progress);
   const std::uint32_t side = tile_side(inputs.config.render, program);
   const PlanShape shape = choose_block_lengths(*inputs.config.gpu, side * side);
 
@@ -455,7 +471,8 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
   for (double share = sampling.share, spent = 0;;) {
     const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
     const bool picture = sampling.full_image && runs.empty();
-    kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
+    const std::unique_ptr<kernels::FrameProgram> made = work.make_frame();
+    kernels::FrameProgram& frame = *made;
     const std::vector<std::uint32_t> tile_indices =
         picture ? std::vector<std::uint32_t>{} : tile_indices_of(plan.blocks);
     FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, tile_indices);
@@ -493,6 +510,25 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
   s.sampled = sampled;
   s.wall_seconds = sim::seconds_since(begin);
   return s;
+}
+
+void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                         traces::TraceWriter& trace) {
+  check_render(inputs.config.render);
+  const traces::BvhTracer tracer(inputs.image);
+  render_frame(inputs, program, tracer, threads, {.trace = &trace});
+  double thinning = 1;
+  kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
+  FrontEnd front_end(pilot, tracer, host_threads(threads));
+  RunTiles tiles(front_end, pilot.tiles(), nullptr);
+  trace.begin_part({.frame = inputs.frame, .pilot = true}, traces::links_of(inputs.image),
+                   traces::counts_of(inputs.image), pilot.requirements());
+  tiles.set_recorders(&trace, nullptr);
+  while (const traces::TileWork* tile = tiles.next()) tiles.release_work(tile);
+  sim::Json result = recorded_result(front_end.result());
+  result["thinning"] = thinning;
+  trace.end_part(std::move(result));
+  trace.end_frame(recorded_frame(inputs.frame, 0, {}));
 }
 
 void Interval::add_estimate(const Interval& other) {

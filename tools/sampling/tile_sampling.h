@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,10 @@
 #include "tools/run/frame/run_job.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/timed_tiles.h"
+
+namespace traces {
+class TraceWriter;
+}
 
 namespace tools {
 
@@ -32,9 +37,25 @@ double simulated_share(const RunConfig& config, const kernels::ProgramSpec& prog
 /// Throws InputError for a program whose tiles cannot be sampled.
 void check_tile_sampling(const kernels::ProgramSpec& program);
 
+/// The work of a frame whose tiles are sampled: rendered, or read from a record.
+struct SampledWork {
+  /// Makes the frame's program, once per round of sampling.
+  std::function<std::unique_ptr<kernels::FrameProgram>()> make_frame;
+  kernels::FrameProgram& pilot;  ///< a picture with few samples and the same tiles
+  double thinning = 1;           ///< samples of the frame per sample of the pilot
+  const traces::Tracer& tracer;
+};
+
 /// Simulates some tiles of a frame and estimates the result of simulate_frame() from them (docs/sampling.md).
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress = nullptr);
+/// Does the same for work from another source. A record has no picture.
+FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, const SampledWork& work,
+                             std::uint32_t threads, const TileSampling& sampling, Progress* progress = nullptr);
+
+/// Renders the current frame and its pilot, and writes the work of both to a trace, for sampling on many machines.
+void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                         traces::TraceWriter& trace);
 
 /// Returns each counter summed over all units of the same kind, by path: "core.tni.trv.counters.l1_hits". Counters that
 /// cannot be added are left out.

@@ -116,6 +116,7 @@ void TraceReader::read_table_of_contents() {
     Part part;
     part.frame = static_cast<std::uint32_t>(number_at(json, "frame", kMaxFrame));
     part.reference = json.at("program").get<std::string>() == "reference";
+    part.pilot = json.at("program").get<std::string>() == "pilot";
     if (trees_.empty()) throw sim::InputError("has no tree");
     part.tree = number_at(json, "tree", trees_.size() - 1);
     part.requirements = requirements_of_json(json.at("demands"));

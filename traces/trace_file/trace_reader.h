@@ -22,6 +22,7 @@ class TraceReader {
   struct Part {
     std::uint32_t frame = 0;
     bool reference = false;
+    bool pilot = false;  ///< thin picture by which tiles are sampled
     std::size_t tree = 0;
     FrameRequirements requirements;
     std::uint32_t tiles = 0;

@@ -101,7 +101,9 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
   sizes_.clear();
   most_of_tile_ = most_tile_bytes(requirements);
   part_ = {{"frame", id.frame},
-           {"program", id.reference ? "reference" : "program"},
+           {"program", id.pilot       ? "pilot"
+                       : id.reference ? "reference"
+                                      : "program"},
            {"tree", trees.size() - 1},
            {"demands", to_json(requirements)},
            {"offset", file_.size()}};

@@ -43,6 +43,7 @@ class TraceWriter {
   struct PartId {
     std::uint32_t frame = 0;
     bool reference = false;  ///< the part was rendered by the reference program
+    bool pilot = false;      ///< the part is the thin picture by which tiles are sampled
   };
 
   /// Throws InputError if `path` cannot be written or is an existing file that is not a trace.

@@ -51,6 +51,26 @@ TEST_F(SweepStreams, ReplicatesOfAPlayedPointAreThoseOfTheComputedOne) {
   EXPECT_EQ(replicates["figures"]["relative"]["speedup"]["values"].size(), 3U);
 }
 
+TEST_F(SweepStreams, SampledTilesOfARecordAreThoseOfTheRenderedFrame) {
+  const std::vector<Point> points = points_of(
+      "scene: teapot\naxes: {resolution: [320x320], tile: {keys: [cores, tni.trvs], values: [[1, 1], [1, 2], [2, "
+      "4]]}}\n"
+      "sets: [render.tile=8, frame.start=warm]\ntile_sampling: 5%\n");
+  ASSERT_EQ(points.size(), 3U);
+  PointComputer sharing(store, 1), alone(other, 1);
+  EXPECT_EQ(sharing.compute_point(points[0], {.record = true}), PointStatus::kComputed);
+  EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream)));
+  for (const Point& point : points) {
+    EXPECT_EQ(point.stream, points[0].stream);
+    sharing.compute_point(point, {});
+    alone.compute_point(point, {});
+    EXPECT_EQ(report_in(store, point), report_in(other, point));
+  }
+  const auto sampled = nlohmann::json::parse(report_in(store, points[1]))["totals"]["sampled"];
+  EXPECT_LT(sampled["timed"].get<int>(), 0.8 * sampled["tiles"].get<int>()) << "or this shows nothing";
+  EXPECT_NE(points[0].stream, points_of("scene: teapot\nsets: [render.tile=8, frame.start=warm]\n")[0].stream);
+}
+
 TEST_F(SweepStreams, ADamagedStreamIsThrownAway) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\n");
   PointComputer computer(store, 1), alone(other, 1);

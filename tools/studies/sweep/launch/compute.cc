@@ -175,6 +175,8 @@ PointStatus PointComputer::compute_point(const Point& point, const Order& order)
 void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, const RunConfig& config, bool record) {
   if (point.slice != 0) return play_slice(point, key, config);
   if (point.slices != 0) return join_slices_of(point, key, config);
+  const JobOptions options = point.run_options();
+  if (record && !key.stream.empty() && !point.tile_sampling.empty()) record_samples(point, key, config, options);
   if (!key.stream.empty() && fs::exists(store_.stream_file(key.stream))) {
     try {
       return replay_stream(point, key, config);
@@ -184,11 +186,11 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     }
   }
   const auto begin = sim::HostClock::now();
-  const JobOptions options = point.run_options();
   store_.put_result(point.id, key.made_of, [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(point, key, config);
     std::optional<Recording> recording;
-    if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
+    if (record && !key.stream.empty() && point.tile_sampling.empty())
+      recording = begin_recording(key.stream, inputs, options);
     RenderedFrames frames(inputs, make_plan(options), threads_, nullptr);
     RunOptions how{.trace = recording ? recording->trace.get() : nullptr};
     if (point.image) how.on_frame = [&](const SimulatedFrame& played) { write_picture(played, folder / "image.png"); };
@@ -200,9 +202,22 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
   });
 }
 
+void PointComputer::record_samples(const Point& point, const PointKeys::Key& key, const RunConfig& config,
+                                   const JobOptions& options) {
+  const RunPlan plan = make_plan(options);
+  Inputs& inputs = inputs_for(point, key, config);
+  const std::optional<Recording> recording = begin_recording(key.stream, inputs, options);
+  if (!recording) return;
+  for_each_frame(inputs, threads_, nullptr,
+                 [&] { record_sampled_work(inputs, plan.program, threads_, *recording->trace); });
+  recording->trace->commit();
+}
+
 void PointComputer::replay_stream(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
   const auto begin = sim::HostClock::now();
-  StoredFrames frames(store_.stream_file(key.stream), config, threads_, point.replicates);
+  std::optional<TileSampling> sampling;
+  if (!point.tile_sampling.empty()) sampling = parse_tile_sampling(point.tile_sampling, "none");
+  StoredFrames frames(store_.stream_file(key.stream), config, threads_, point.replicates, sampling);
   const RunResult result = run_all(frames, {});
   const sim::Json report = report_json(
       {frames.inputs(), point.run_options(), result.report_totals(), result.frames, false, sim::seconds_since(begin)});

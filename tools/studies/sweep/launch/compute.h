@@ -34,6 +34,9 @@ class PointComputer {
   };
 
   void compute_now(const Point& point, const PointKeys::Key& key, const RunConfig& config, bool record);
+  /// Records the frames of a point whose tiles are sampled, with their pilots, unless another process does.
+  void record_samples(const Point& point, const PointKeys::Key& key, const RunConfig& config,
+                      const JobOptions& options);
   void replay_stream(const Point& point, const PointKeys::Key& key, const RunConfig& config);
   void play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config);
   void join_slices_of(const Point& whole, const PointKeys::Key& key, const RunConfig& config);

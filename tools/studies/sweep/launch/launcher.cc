@@ -128,9 +128,11 @@ namespace {
 
 using sim::Json;
 
-constexpr double kEndTimeout = 10;      // seconds to wait for workers to end
-constexpr int kPollPeriod = 200;        // ms between two checks for an interrupt
-constexpr int kAttempts = 2;            // attempts to compute a point whose worker was killed
+constexpr double kEndTimeout = 10;  // seconds to wait for workers to end
+constexpr int kPollPeriod = 200;    // ms between two checks for an interrupt
+constexpr int kAttempts = 2;        // attempts to compute a point whose worker was killed
+/// Points with sampled tiles from which it is quicker to record the whole frame than to render the samples of each.
+constexpr std::size_t kLeastSampledPoints = 4;
 constexpr std::size_t kLogTail = 2000;  // bytes of the output of a worker that are kept
 
 [[noreturn]] void throw_errno(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -287,7 +289,8 @@ class LocalLauncher final : public Launcher {
       std::error_code failed;
       const bool is_there = std::filesystem::exists(launcher_.store_.stream_file(points_[p].stream), failed);
       if (is_there) group->state = Group::State::kReady;
-      if (is_there || group->left < 2) return false;
+      const std::size_t least = points_[p].tile_sampling.empty() ? 2 : kLeastSampledPoints;
+      if (is_there || group->left < least) return false;
       group->state = Group::State::kRecording;
       group->recorder = p;
       return true;

@@ -124,8 +124,8 @@ Point parse_point_line(const std::string& line, const std::string& where) {
 
 namespace {
 
-/// True if points that differ only in the machine can share recorded rays: no picture, tile sampling or slices.
-bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image && point.slices == 0; }
+/// True if points that differ only in the machine can share the recorded work: no picture or slices.
+bool can_share(const Point& point) { return !point.image && point.slices == 0; }
 
 }  // namespace
 
@@ -181,6 +181,7 @@ PointKeys::Key PointKeys::make_key(const Point& point, const ConfigVariants& app
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {
     work["function_hash"] = applied.hash(sim::Affects::kFunction);
+    if (!point.tile_sampling.empty()) work["pilot"] = true;  // a record for sampling also has pilots
     key.stream = sim::sha256_hex(sim::json_line(work));
   }
   return key;
