@@ -49,7 +49,7 @@ test("points of a search show the commands of front.csv", () => look("search.htm
 test("the page shows how many points meet the constraint, and the distance of the best one", () => look("search.html", {}, async (page) => {
   const powers = table("search", "results.csv").map((row) => Number(row["totals.power_w.nominal"]));
   const met = powers.filter((power) => power < LIMIT).length;
-  assert.ok((await page.locator("body").innerText()).includes(`${met} of ${powers.length} points meet all constraints`));
+  assert.ok((await page.locator("body").innerText()).includes(`${met} of ${powers.length} machines meet all constraints`));
   const cells = await page.locator('[data-block="limits-table"] tbody tr').first().locator("td, th").allInnerTexts();
   assert.equal(cells[0], `power_w.nominal < ${LIMIT}`);
   assert.equal(numberOf(cells[1]), met);

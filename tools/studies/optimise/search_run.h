@@ -36,8 +36,8 @@ struct Neighbour {
 ///    budget, until a best machine is confirmed.
 class SearchRun {
  public:
-  /// Relative paths in the task begin at `folder`. Throws InputError for an impossible task, and for a goal with a metric
-  /// that reports will lack.
+  /// Relative paths in the task begin at `folder`. Throws InputError for an impossible task, and for a goal with a
+  /// metric that reports will lack.
   SearchRun(const Task& task, const std::filesystem::path& folder);
   SearchRun(const SearchRun&) = delete;
   SearchRun& operator=(const SearchRun&) = delete;
