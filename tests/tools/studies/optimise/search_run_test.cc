@@ -174,7 +174,7 @@ TEST_F(SearchOfModel, NamesTheLimitThatANeighbourMissesByConfidenceAlone) {
 
 TEST_F(SearchOfModel, KnowsFullPathsAndDirectionsBeforeTheFirstSimulation) {
   const SearchRun search(task_of("workloads: [cornell, teapot]\naxes: {cores: [3, 4]}\nobjectives: [min: area_mm2]\n"
-                                 "constraints: [worst(fps) < 100, kernels.shade_diffuse.cycles < 9]\nbudget: 4\n"),
+                                 "constraints: [worst(perf.fps) < 100, kernels.shade_diffuse.cycles < 9]\nbudget: 4\n"),
                          folder.path());
   EXPECT_EQ(search.goals()[0].metric, "totals.area_mm2");
   EXPECT_EQ(search.goals()[1].metric, "totals.perf.fps");
