@@ -10,6 +10,7 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
 #include "tools/analysis/report_file.h"
 #include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
