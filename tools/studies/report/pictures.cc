@@ -60,7 +60,7 @@ Json page_number(double value) {
   return std::round(value * scale) / scale;
 }
 
-/// Returns the smallest side, in pixels, of squares of which at most `max_squares` cover a picture.
+/// Returns the smallest side, in pixels, of squares such that at most `max_squares` cover a picture.
 std::uint32_t averaging_square_side(std::uint32_t width, std::uint32_t height, std::size_t max_squares) {
   std::uint32_t square = 1;
   while (std::size_t{(width + square - 1) / square} * ((height + square - 1) / square) > max_squares) ++square;
