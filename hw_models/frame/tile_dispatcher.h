@@ -15,13 +15,13 @@
 
 namespace hw {
 
-/// Interface from which the tile dispatcher gets the tiles of a frame, in the order of the tile list.
+/// The tiles of a frame, which the tile dispatcher takes in the order of the tile list. This base class has no tiles.
 class TileSource {
  public:
   virtual ~TileSource() = default;
   /// Returns the work of the next tile, or null at the end of the frame. The work is valid until release_work(work).
-  virtual const traces::TileWork* next() = 0;
-  virtual void release_work(const traces::TileWork* work) = 0;
+  virtual const traces::TileWork* next() { return nullptr; }
+  virtual void release_work([[maybe_unused]] const traces::TileWork* work) {}
   /// Called when the tile that next() returned last is dispatched to a core at time `now`.
   virtual void note_dispatched([[maybe_unused]] sim::Time now) {}
 };

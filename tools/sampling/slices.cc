@@ -135,12 +135,12 @@ class SliceSimulator {
     if (!is_last) played.after = measure_probe(tiles, slice.end);
     frame.add_times(front_end.result());
     played.seconds = sim::thread_seconds() - begin;
-    played.timing_seconds = played.seconds - tiles.executing_seconds();
+    played.timing_seconds = played.seconds - front_end.result().next_cpu_seconds;
     return played;
   }
   /// Returns the counters of the machine before its first cycle.
   MachineSpan initial_state() const {
-    NoTiles none;
+    hw::TileSource none;
     return MachineSpan(*make_machine(none));
   }
 

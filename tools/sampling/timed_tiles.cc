@@ -18,7 +18,7 @@ TimedTiles::TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, s
 const traces::TileWork* TimedTiles::next() {
   while (block_ < blocks_.size()) {
     const TimedBlock& block = blocks_[block_];
-    const traces::TileWork* work = take_tile();
+    const traces::TileWork* work = source_.next();
     if (work == nullptr) return nullptr;
     if (work->tile >= block.first) {
       if (work->tile + 1 == block.end) block_ += 1;
@@ -31,15 +31,8 @@ const traces::TileWork* TimedTiles::next() {
       source_.release_work(work);
     }
   }
-  while (const traces::TileWork* work = take_tile()) source_.release_work(work);
+  while (const traces::TileWork* work = source_.next()) source_.release_work(work);
   return nullptr;
-}
-
-const traces::TileWork* TimedTiles::take_tile() {
-  const double begin = sim::thread_seconds();
-  const traces::TileWork* work = source_.next();
-  executing_seconds_ += sim::thread_seconds() - begin;
-  return work;
 }
 
 void TimedTiles::release_work(const traces::TileWork* work) {

@@ -55,13 +55,10 @@ class TimedTiles final : public hw::TileSource {
   const Mark& snapshot_at(std::uint32_t tile) const;
   const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
   std::uint64_t warmed_tiles() const { return warmed_; }
-  /// warming_seconds() returns the host time for warming caches, executing_seconds() the CPU time for executing tiles
-  /// on the machine's thread.
+  /// Returns the host time for warming caches.
   double warming_seconds() const { return warming_seconds_; }
-  double executing_seconds() const { return executing_seconds_; }
 
  private:
-  const traces::TileWork* take_tile();
   void warm_caches();
 
   hw::TileSource& source_;
@@ -77,7 +74,7 @@ class TimedTiles final : public hw::TileSource {
   std::vector<Mark> marks_;
   std::vector<TimedTile> simulated_;
   std::uint64_t warmed_ = 0;
-  double warming_seconds_ = 0, executing_seconds_ = 0;
+  double warming_seconds_ = 0;
 };
 
 }  // namespace tools

@@ -110,7 +110,9 @@ void FrontEnd::run_ahead() {
 
 const traces::TileWork* FrontEnd::next() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
+  const double cpu_begin = sim::thread_seconds();
   const traces::TileWork* work = take_tile();
+  result_.next_cpu_seconds += sim::thread_seconds() - cpu_begin;
   result_.waited += sim::seconds_since(begin);
   return work;
 }
@@ -189,6 +191,7 @@ void RenderResult::add(const RenderResult& other) {
   traversal_steps += other.traversal_steps;
   seconds += other.seconds;
   waited += other.waited;
+  next_cpu_seconds += other.next_cpu_seconds;
 }
 
 void RunTiles::begin_part(const char* phase, std::uint32_t frame) const {

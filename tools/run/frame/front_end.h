@@ -44,6 +44,7 @@ struct RenderResult {
   std::uint64_t traversal_steps = 0;
   double seconds = 0;  ///< host seconds of rendering, summed over threads
   double waited = 0;   ///< host seconds in which the caller of FrontEnd::next() was blocked
+  double next_cpu_seconds = 0;  ///< processor time of the calling thread in FrontEnd::next()
   std::uint64_t all_rays() const;
   /// Adds the counts of another frame. The picture and the data of tiles and pixels remain those of this frame.
   void add(const RenderResult& other);

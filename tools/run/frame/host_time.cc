@@ -10,7 +10,6 @@
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/walk.h"
 
 namespace tools {
 namespace {
@@ -21,28 +20,6 @@ constexpr std::uint32_t kOneOf = 3;                // test picture of a small fr
 constexpr double kSlowestStep = 4e-6;              // host seconds per step; chosen: hairball at 96x64 takes 3.5 us
 constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles simulated to measure the rate
 constexpr std::uint32_t kOneTileOf = 50;                     // one tile in 50 is simulated: 2 % of a large frame
-
-/// Passes tiles to the machine, counts their traversal steps and measures the host time to execute them.
-class MeasuredTiles final : public hw::TileSource {
- public:
-  explicit MeasuredTiles(FrontEnd& source) : source_(source) {}
-
-  const traces::TileWork* next() override {
-    const double begin = sim::thread_seconds();
-    const traces::TileWork* work = source_.next();
-    making_ += sim::thread_seconds() - begin;
-    if (work != nullptr) steps_ += traces::count_steps(work->walk).total_steps();
-    return work;
-  }
-  void release_work(const traces::TileWork* work) override { source_.release_work(work); }
-  double executing_cpu_seconds() const { return making_; }
-  std::uint64_t step_count() const { return steps_; }
-
- private:
-  FrontEnd& source_;
-  double making_ = 0;
-  std::uint64_t steps_ = 0;
-};
 
 /// Returns `count` indices that are spread evenly over 0 to `all` - 1.
 std::vector<std::uint32_t> evenly_spaced_indices(std::uint32_t all, std::uint32_t count) {
@@ -63,13 +40,9 @@ double estimate_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   kernels::FullProgram program(inputs.image, inputs.camera, few, 1, inputs.frame);
   const traces::BvhTracer tracer(inputs.image);
   FrontEnd front(program, tracer, 0);
-  std::uint64_t steps = 0;
-  while (const traces::TileWork* work = front.next()) {
-    steps += traces::count_steps(work->walk).total_steps();
-    front.release_work(work);
-  }
+  while (const traces::TileWork* work = front.next()) front.release_work(work);
   const double looked_at = static_cast<double>(few.width) * few.height;
-  return static_cast<double>(steps) / looked_at * samples;
+  return static_cast<double>(front.result().traversal_steps) / looked_at * samples;
 }
 
 bool may_take_minutes(double steps, const RunParallelism& parallelism) {
@@ -87,15 +60,14 @@ HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, cons
   const std::uint32_t tiles = program.tiles();
   const std::uint32_t played = std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles));
   FrontEnd front(program, tracer, 0, true, evenly_spaced_indices(tiles, played));
-  MeasuredTiles source(front);
-  const auto gpu = make_gpu(inputs, program.requirements(), source);
+  const auto gpu = make_gpu(inputs, program.requirements(), front);
   const double begin = sim::thread_seconds();
   run_to_end(*gpu);
   const double all = sim::thread_seconds() - begin;
-  if (source.step_count() == 0) return kUsualRate;
-  const auto steps = static_cast<double>(source.step_count());
-  return {.functional = source.executing_cpu_seconds() / steps,
-          .machine = (all - source.executing_cpu_seconds()) / steps};
+  const RenderResult& rendered = front.result();
+  if (rendered.traversal_steps == 0) return kUsualRate;
+  const auto steps = static_cast<double>(rendered.traversal_steps);
+  return {.functional = rendered.next_cpu_seconds / steps, .machine = (all - rendered.next_cpu_seconds) / steps};
 }
 
 double host_seconds_of_frame(double steps, const HostRate& rate, const RunParallelism& parallelism) {

@@ -9,7 +9,7 @@ namespace tools {
 
 std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;
-  NoTiles tiles;
+  hw::TileSource tiles;
   // Kernels that no tile uses get no schedule: scheduling would dominate the time.
   hw::Gpu::Workload workload{
       .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};

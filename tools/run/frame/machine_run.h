@@ -10,13 +10,6 @@
 
 namespace tools {
 
-/// Tile source without tiles, for machines that are built but not run.
-class NoTiles final : public hw::TileSource {
- public:
-  const traces::TileWork* next() override { return nullptr; }
-  void release_work(const traces::TileWork* /*work*/) override {}
-};
-
 /// Builds the machine that `inputs.config` describes.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
