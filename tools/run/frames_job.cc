@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,12 +11,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
+#include "hw_models/memory/observer.h"
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
@@ -152,8 +155,8 @@ SmallPicture scale_down(std::span<const float> rgb, std::size_t width, std::size
 
 /// Live view of a run: picture so far, utilisation and power of the last interval.
 ///
-///   simulation thread: publish_frame() at a tile end, on request ──► copies ──► display thread: lines(), picture()
-class LiveRun final : public View, public RunWatcher {
+///   simulation thread: on_event() at a tile end, on request ──► copies ──► display thread: lines(), picture()
+class LiveRun final : public View, public hw::Observer {
  public:
   /// Sets the configuration of the frames to show.
   void set_config(const RunConfig& config) {
@@ -165,30 +168,18 @@ class LiveRun final : public View, public RunWatcher {
     height_ = config.render.height;
   }
 
-  void begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override {
+  void begin_frame(const StartedFrame& frame) {
     const std::lock_guard lock(mutex_);
-    units_ = std::move(units);
+    front_end_ = &frame.front_end;
+    units_ = frame.units;
     formula_ = std::make_unique<sim::EnergyFormula>(units_, energy_, device_, 0, scales_);
-    intervals_ = intervals;
+    intervals_ = frame.intervals;
     before_.clear();
     row_.clear();
   }
 
-  void publish_frame(std::span<const float> rgb) override {
-    const std::lock_guard lock(mutex_);
-    requested_ = false;
-    if (wanted_width_ != 0 && wanted_height_ != 0 && rgb.size() == std::size_t{3} * width_ * height_) {
-      picture_ = scale_down(rgb, width_, height_, wanted_width_, wanted_height_);
-    }
-    if (intervals_ == nullptr || intervals_->size() == 0) return;
-    const std::size_t last = intervals_->size() - 1;
-    row_.assign(intervals_->row(last).begin(), intervals_->row(last).end());
-    before_.assign(row_.size(), 0);
-    begin_ = 0;
-    end_ = intervals_->interval_end(last);
-    if (last == 0) return;
-    std::ranges::copy(intervals_->row(last - 1), before_.begin());
-    begin_ = intervals_->interval_end(last - 1);
+  void on_event(const hw::Event& event) override {
+    if (requested_.load(std::memory_order_relaxed) && std::holds_alternative<hw::TileFinished>(event)) copy_frame();
   }
 
   std::vector<std::string> lines() override {
@@ -213,12 +204,32 @@ class LiveRun final : public View, public RunWatcher {
   }
 
  private:
+  /// Copies the picture rendered so far and the counters of the last interval.
+  void copy_frame() {
+    const std::lock_guard lock(mutex_);
+    requested_ = false;
+    const std::vector<float>& rgb = front_end_->picture_so_far();
+    if (wanted_width_ != 0 && wanted_height_ != 0 && rgb.size() == std::size_t{3} * width_ * height_) {
+      picture_ = scale_down(rgb, width_, height_, wanted_width_, wanted_height_);
+    }
+    if (intervals_ == nullptr || intervals_->size() == 0) return;
+    const std::size_t last = intervals_->size() - 1;
+    row_.assign(intervals_->row(last).begin(), intervals_->row(last).end());
+    before_.assign(row_.size(), 0);
+    begin_ = 0;
+    end_ = intervals_->interval_end(last);
+    if (last == 0) return;
+    std::ranges::copy(intervals_->row(last - 1), before_.begin());
+    begin_ = intervals_->interval_end(last - 1);
+  }
+
   double energy_until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
     sim::set_each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
     formula_->set_counts(units_, end);
     return formula_->total_pj(&sim::Band::nominal);
   }
 
+  std::atomic<bool> requested_{false};  ///< the display thread waits for a copy
   std::mutex mutex_;
   sim::EnergyConfig energy_;
   std::map<std::string, sim::DeviceEvent> device_;
@@ -226,6 +237,7 @@ class LiveRun final : public View, public RunWatcher {
   std::uint32_t width_ = 0, height_ = 0;  ///< size of the frame's picture in pixels
   std::vector<sim::UnitReport> units_;
   std::unique_ptr<sim::EnergyFormula> formula_;
+  const FrontEnd* front_end_ = nullptr;
   const sim::Intervals* intervals_ = nullptr;
   std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< largest picture that the display thread has requested
   SmallPicture picture_;
@@ -300,6 +312,16 @@ void run_frames(const JobOptions& options) {
   const std::size_t to_replace = min_frames_to_replace(folder.target() / "report.json");
   const bool has_picture = plan.sampling() == nullptr || plan.sampling()->full_image;
 
+  RunOptions run_options{.progress = &progress,
+                         .keep_part = !folder.has_earlier_run(),
+                         .intervals = options.intervals,
+                         .itemised = true,
+                         .timeline = &timeline};
+  if (options.watch) {
+    run_options.observer = &live;
+    run_options.on_start = [&live](const StartedFrame& frame) { live.begin_frame(frame); };
+  }
+
   sim::Json json;
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
@@ -310,23 +332,15 @@ void run_frames(const JobOptions& options) {
       trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
                     trace_header(inputs, options));
     }
-    const auto write_frame = [&](const SimulatedFrame& played) {
+    run_options.trace = trace ? &*trace : nullptr;
+    run_options.on_frame = [&](const SimulatedFrame& played) {
       progress.set_phase("writing the picture");
       write_pictures(
           open(),
           {.played = played, .program = plan.program, .has_picture = has_picture, .debug = options.debug_images},
           host_threads(options.threads));
     };
-    const RunResult result = run_or_interrupt(frames,
-                                              {.progress = &progress,
-                                               .keep_part = !folder.has_earlier_run(),
-                                               .intervals = options.intervals,
-                                               .itemised = true,
-                                               .live = options.watch ? &live : nullptr,
-                                               .timeline = &timeline,
-                                               .trace = trace ? &*trace : nullptr,
-                                               .on_frame = write_frame},
-                                              to_replace, progress);
+    const RunResult result = run_or_interrupt(frames, run_options, to_replace, progress);
     progress.finish(result.partial ? "interrupted" : "done");
     const std::filesystem::path& staging = open();
     const double wall = sim::seconds_since(begin);

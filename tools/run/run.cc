@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/memory/observer.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -68,17 +69,21 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   const Inputs& inputs = frames.inputs();
   const bool may_be_part = options.keep_part && out.frames.empty() && frames.has_whole_frames();
   std::optional<sim::Intervals> intervals;
-  if ((options.intervals || options.live != nullptr) && frames.has_whole_frames()) {
+  if ((options.intervals || options.on_start) && frames.has_whole_frames()) {
     intervals = intervals_of_frame(frames.frame_count());
   }
   const SimulateOptions common{.progress = options.progress, .trace = options.trace, .replicates = frames.replicates()};
   SimulateOptions own = common;
   own.keep_part = may_be_part;
   own.intervals = intervals ? &*intervals : nullptr;
-  own.watcher = options.live;
+  own.on_start = options.on_start;
   own.itemised = options.itemised;
-  if (options.timeline != nullptr && frames.has_whole_frames())
-    own.observer = options.timeline->begin_frame(inputs.config);
+  hw::ObserverList observers;
+  if (frames.has_whole_frames()) {
+    observers.add(options.observer);
+    if (options.timeline != nullptr) observers.add(options.timeline->begin_frame(inputs.config));
+  }
+  own.observer = observers.attached_observer();
   FrameResult frame = frames.simulate(own);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {

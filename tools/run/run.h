@@ -172,7 +172,10 @@ struct RunOptions {
   bool keep_part = false;  ///< an interrupt keeps the finished tiles of the first frame
   bool intervals = false;  ///< record counters over time
   bool itemised = false;   ///< keep the costs of each tile and pixel
-  RunWatcher* live = nullptr;
+  /// Observer of the machines of whole frames, and the function that receives each of these frames before its first
+  /// cycle. If the function is set, the machine records intervals for it.
+  hw::Observer* observer = nullptr;
+  std::function<void(const StartedFrame&)> on_start = {};
   TimelineJob* timeline = nullptr;       ///< records a timeline of the first frame; null: none
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the executed work; null: none
   std::function<void(const SimulatedFrame&)> on_frame = {};

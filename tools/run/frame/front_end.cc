@@ -213,7 +213,6 @@ const traces::TileWork* RunTiles::next() {
 void RunTiles::release_work(const traces::TileWork* work) {
   front_end_.release_work(work);
   finished_ += 1;
-  if (watcher_ != nullptr && watcher_->frame_requested()) watcher_->publish_frame(front_end_.picture_so_far());
   ProgressBase all = former_ != nullptr ? *former_ : ProgressBase{};
   all.tiles += finished_;
   all.rays += front_end_.result().all_rays();

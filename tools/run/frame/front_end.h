@@ -1,12 +1,10 @@
 #pragma once
 #include <array>
-#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <thread>
 #include <vector>
 
@@ -42,8 +40,8 @@ struct RenderResult {
   std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
   std::uint64_t continued = 0;  ///< rays that continued after passing a transparent surface
   std::uint64_t traversal_steps = 0;
-  double seconds = 0;  ///< host seconds of rendering, summed over threads
-  double waited = 0;   ///< host seconds in which the caller of FrontEnd::next() was blocked
+  double seconds = 0;           ///< host seconds of rendering, summed over threads
+  double waited = 0;            ///< host seconds in which the caller of FrontEnd::next() was blocked
   double next_cpu_seconds = 0;  ///< processor time of the calling thread in FrontEnd::next()
   std::uint64_t all_rays() const;
   /// Adds the counts of another frame. The picture and the data of tiles and pixels remain those of this frame.
@@ -120,21 +118,6 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::thread> threads_;
 };
 
-/// Receives pictures of a frame during its simulation. The simulation thread calls it at the end of a tile, only if a
-/// picture was requested, so that this thread reads no clock.
-class RunWatcher {
- public:
-  virtual ~RunWatcher() = default;
-  /// Called before a machine's first cycle, with its units and the intervals that it records.
-  virtual void begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) = 0;
-  bool frame_requested() const { return requested_.load(std::memory_order_relaxed); }
-  /// Called with the picture rendered so far, as linear RGB.
-  virtual void publish_frame(std::span<const float> rgb) = 0;
-
- protected:
-  std::atomic<bool> requested_{false};
-};
-
 /// Tiles, rays and cycles of the front ends that have already executed a part of a frame. The progress of the frame
 /// starts from these sums when the next front end takes over.
 struct ProgressBase {
@@ -160,7 +143,6 @@ class RunTiles final : public hw::TileSource {
   void set_recorders(traces::TraceWriter* trace, InMemoryTrace* kept) { trace_ = trace, kept_ = kept; }
   void begin_part(const char* phase, std::uint32_t frame) const;
   void set_gpu(const hw::Gpu& gpu) { gpu_ = &gpu; }
-  void set_watcher(RunWatcher* watcher) { watcher_ = watcher; }
   const traces::TileWork* next() override;
   void release_work(const traces::TileWork* work) override;
   std::uint32_t finished_tiles() const { return finished_; }
@@ -172,7 +154,6 @@ class RunTiles final : public hw::TileSource {
   const bool keep_part_;
   ProgressBase* const former_;
   const hw::Gpu* gpu_ = nullptr;
-  RunWatcher* watcher_ = nullptr;
   traces::TraceWriter* trace_ = nullptr;
   InMemoryTrace* kept_ = nullptr;
   std::uint32_t finished_ = 0;

@@ -248,8 +248,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin_part("simulating", inputs.frame);
   tiles.set_gpu(*gpu);
-  if (extras.watcher != nullptr) extras.watcher->begin_machine(gpu->unit_reports(), extras.intervals);
-  tiles.set_watcher(extras.watcher);
+  if (extras.on_start) extras.on_start({front_end, gpu->unit_reports(), extras.intervals});
   run_to_end(*gpu);
   if (extras.trace != nullptr && tiles.finished_tiles() == frame.tiles()) {
     extras.trace->end_part(recorded_result(front_end.result()));

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,8 +34,6 @@ class TraceWriter;
 }
 
 namespace tools {
-
-class RunWatcher;
 
 /// All inputs of a run, in the state of the current frame.
 struct Inputs {
@@ -141,6 +140,13 @@ kernels::RenderConfig reference_render(kernels::RenderConfig render);
 /// Returns the number of tiles per row and column of the current frame.
 kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::ProgramSpec& program);
 
+/// A frame before the first cycle of its machine.
+struct StartedFrame {
+  const FrontEnd& front_end;
+  std::vector<sim::UnitReport> units;  ///< the machine's units
+  const sim::Intervals* intervals;     ///< receives the machine's counters over time; null: not recorded
+};
+
 /// Options of simulate_frame() and render_frame(): observers, recorded data and start state.
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
@@ -149,12 +155,12 @@ struct SimulateOptions {
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
   bool reference = false;  ///< the program is the reference: own section of the trace, settings of reference_render()
-  sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time; null: not recorded
-  RunWatcher* watcher = nullptr;              ///< receives pictures of the frame during the simulation; null: none
-  std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed
-  const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
-  bool itemised = false;                      ///< keep the costs of each tile and pixel
-  hw::Observer* observer = nullptr;           ///< observer of the machine; null: none
+  sim::Intervals* intervals = nullptr;  ///< receives the machine's counters over time; null: not recorded
+  std::function<void(const StartedFrame&)> on_start{};  ///< called before the machine's first cycle; may be empty
+  std::uint32_t replicates = 1;                         ///< number of simulations; all but the first are perturbed
+  const char* requested_by = "--replicates";            ///< option or verb to name if memory runs out
+  bool itemised = false;                                ///< keep the costs of each tile and pixel
+  hw::Observer* observer = nullptr;                     ///< observer of the machine; null: none
   std::shared_ptr<const hw::CacheContents> caches{};  ///< cache contents after the previous frame, for frame.start warm
   /// Used only if `caches` is null: program whose last tiles warm the caches. Null for the simulated program itself.
   kernels::FrameProgram* previous = nullptr;
