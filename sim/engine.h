@@ -86,7 +86,9 @@ class Watchdog {
 template <class TickAt>
 Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end, TickAt&& tick_at) {
   Time at = wakeups.earliest_time(inner.units);
-  while (at < run_limit(inner, others_reached, end)) at = wakeups.tick_due(inner.units, at, tick_at(at));
+  for (; at < run_limit(inner, others_reached, end); at = wakeups.earliest_time(inner.units)) {
+    wakeups.tick_due(inner.units, at, tick_at(at));
+  }
   return at;
 }
 
@@ -100,7 +102,7 @@ Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reac
   const ClusterTurn turn{
       wakeups.unit_times(cluster.units), clustered_units, partition, inner_reached, end, other_units};
   for (;;) {
-    const Time others = wakeups.earliest_time(partition.units), clustered = wakeups.earliest_time(cluster.units);
+    const Time others = WakeupTable::min_of(other_units), clustered = WakeupTable::min_of(clustered_units);
     const Time at = std::min(others, clustered);
     if (at >= run_limit(partition, inner_reached, end)) return at;
     if (clustered == at) cluster.run(cluster.owner, turn, at);

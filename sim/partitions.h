@@ -55,9 +55,7 @@ struct ClusterTurn {
   /// outside the cluster is due before.
   bool includes_time(Time at) const {
     // A single comparison, because it is unpredictable which limit ends the turn.
-    Time over = run_limit(partition, inner, end) - 1;
-    for (const Time& other : others) over = std::min(over, other);
-    return at <= over;
+    return at <= std::min(run_limit(partition, inner, end) - 1, WakeupTable::min_of(others));
   }
 };
 

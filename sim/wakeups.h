@@ -68,9 +68,7 @@ class WakeupTable {
   }
   /// Returns the earliest wake-up time of any unit in a range of groups.
   Time earliest_time(Groups groups) const {
-    Time first = kNever;
-    for (std::size_t g = groups.first; g < groups.end; ++g) first = std::min(first, load_time(group_minima_[g]));
-    return first;
+    return min_of({group_minima_.data() + groups.first, groups.end - groups.first});
   }
 
   /// Returns the wake-up times of the units in a range of groups; null if the range is empty.
@@ -85,10 +83,9 @@ class WakeupTable {
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// Ticks the units in a range of groups that are due at `now`, the earliest wake-up time of the range. Afterwards
-  /// returns the new earliest wake-up time of the range.
+  /// Ticks the units in a range of groups that are due at `now`, the earliest wake-up time of the range.
   template <class Tick>
-  Time tick_due(Groups groups, Time now, Tick&& tick) {
+  void tick_due(Groups groups, Time now, Tick&& tick) {
     for (std::size_t g = groups.first; g < groups.end; ++g) {
       if (group_minima_[g] != now) continue;
       Eight& group = groups_[g];
@@ -100,7 +97,6 @@ class WakeupTable {
       }
       group_minima_[g] = min_of_eight(group.data());
     }
-    return earliest_time(groups);
   }
 
   /// Ticks a unit, even if it is not due.
@@ -110,6 +106,12 @@ class WakeupTable {
     const Time own = tick(unit);
     lower_to(unit, own);
     group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
+  }
+  /// Returns the minimum of a few times; kNever for none. A loop of single loads is the fastest for one or two times.
+  static Time min_of(std::span<const Time> few_times) {
+    Time first = kNever;
+    for (const Time& time : few_times) first = std::min(first, load_time(time));
+    return first;
   }
   /// Returns the minimum of eight times. The times are loaded one by one, because vector loads of recently written
   /// single times would stall on store forwarding.

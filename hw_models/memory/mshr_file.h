@@ -16,16 +16,17 @@ template <class Payload>
 class MshrFile {
  public:
   explicit MshrFile(std::uint32_t capacity)
-      : lines_((capacity + sim::kMatchWidth - 1) / sim::kMatchWidth * sim::kMatchWidth, kNone),
+      : capacity_(capacity),
+        lines_((capacity + sim::kMatchWidth - 1) / sim::kMatchWidth * sim::kMatchWidth, kNone),
         payloads_(capacity + 1),
         slots_(capacity + 1) {
     std::iota(slots_.begin(), slots_.end(), 0U);
   }
 
   std::uint32_t size() const { return size_; }
-  std::uint32_t capacity() const { return static_cast<std::uint32_t>(payloads_.size() - 1); }
+  std::uint32_t capacity() const { return capacity_; }
   bool empty() const { return size_ == 0; }
-  bool is_full() const { return size_ == capacity(); }
+  bool is_full() const { return size_ == capacity_; }
 
   /// Returns the MSHR payload of an outstanding line, or nullptr if the line is not outstanding.
   Payload* find_payload(Addr line) {
@@ -65,11 +66,12 @@ class MshrFile {
 
   static constexpr Addr kNone = ~Addr{0};  ///< marks unused entries of `lines_`; no line has this address
 
+  std::uint32_t capacity_;
+  std::uint32_t size_ = 0;
   std::vector<Addr> lines_;  ///< addresses of the outstanding lines, followed by kNone in unused entries
   std::vector<Payload> payloads_;
   /// Index in `payloads_` of each line in `lines_`. The last entry is the payload that was released last.
   std::vector<std::uint32_t> slots_;
-  std::uint32_t size_ = 0;
 };
 
 }  // namespace hw

@@ -126,9 +126,10 @@ struct DramServed {
   sim::Time end = 0;
 };
 
+/// An event of any kind. Frequent kinds are first, because handle_event() compares kinds in this order.
 using Event =
-    std::variant<TileDispatched, TileFinished, TileStarted, TileEnded, LoopEnded, LoopCharged, BatchStarted, BatchEnded,
-                 TransferEnded, LineRequested, L2LookedUp, L2Filled, L2Written, RowActivated, DramServed>;
+    std::variant<LineRequested, L2LookedUp, DramServed, L2Filled, RowActivated, L2Written, LoopCharged, BatchStarted,
+                 BatchEnded, TransferEnded, LoopEnded, TileDispatched, TileFinished, TileStarted, TileEnded>;
 
 /// Receives the events of a simulated machine as they happen. An observer does not change the simulation.
 class Observer {
@@ -143,15 +144,28 @@ template <class E>
   observer.on_event(event);
 }
 
-/// Visitor of an Event for std::visit, built from one lambda per kind of event to be handled. Other kinds are ignored.
+/// Handlers of an observer's events, built from one lambda per kind of event to be handled.
 template <class... Handlers>
 struct HandleEvents : Handlers... {
   using Handlers::operator()...;
-  template <class Other>
-  requires(!(std::is_invocable_v<Handlers, const Other&> || ...)) void operator()(const Other&) const {}
 };
 template <class... Handlers>
 HandleEvents(Handlers...) -> HandleEvents<Handlers...>;
+
+/// Calls the handler of the event's kind, if there is one. Compares kinds one by one, because std::visit calls through
+/// a table of functions.
+template <class Handlers, class... Kinds>
+void handle_event(const std::variant<Kinds...>& event, const Handlers& handlers) {
+  const auto handle_kind = [&]<class Kind>() {
+    if constexpr (std::is_invocable_v<Handlers, const Kind&>) {
+      const Kind* found = std::get_if<Kind>(&event);
+      if (found != nullptr) handlers(*found);
+      return found != nullptr;
+    }
+    return false;
+  };
+  (handle_kind.template operator()<Kinds>() || ...);
+}
 
 /// An observer that forwards events to several observers.
 class ObserverList final : public Observer {

@@ -39,14 +39,15 @@ class TileAccounting final : public Observer {
   const TileAccount& account_without_tile() const { return rest_; }
 
  private:
+  void add_account(const TileDispatched& event);
   TileAccount& account_of(TileTag tile) {
     if (tile == kNoTile) [[unlikely]]
       return rest_;
-    const std::size_t newest = accounts_.size() - 1;
-    return accounts_[newest - ((newest - tile) & kTileTagMask)];
+    return accounts_[newest_ - ((newest_ - tile) & kTileTagMask)];
   }
 
   std::vector<TileAccount> accounts_;
+  std::size_t newest_ = 0;  ///< index of the last account in `accounts_`
   TileAccount rest_;
 };
 

@@ -447,21 +447,21 @@ void TimelineJob::write_file(const std::filesystem::path& folder, sim::Json& rep
 }
 
 void TimelineRecorder::on_event(const hw::Event& event) {
-  std::visit(hw::HandleEvents{
-                 [&](const hw::TileStarted& e) { start_tile(e); },
-                 [&](const hw::TileEnded& e) { end_tile(e); },
-                 [&](const hw::LoopEnded& e) { add_loop(e); },
-                 [&](const hw::BatchStarted& e) {
-                   batches_[e.core].push_back({e.slot, e.node, static_cast<std::uint32_t>(e.rays), e.at});
-                 },
-                 [&](const hw::BatchEnded& e) { end_batch(e); },
-                 [&](const hw::TransferEnded& e) { add_transfer(e); },
-                 [&](const hw::L2LookedUp& e) { (e.hit ? bin_at(e.at).l2_hits : bin_at(e.at).l2_misses) += 1; },
-                 [&](const hw::DramServed& e) {
-                   (e.request.write ? bin_at(e.end).lines_written : bin_at(e.end).lines_read) += 1;
-                 },
-             },
-             event);
+  hw::handle_event(event,
+                   hw::HandleEvents{
+                       [&](const hw::TileStarted& e) { start_tile(e); },
+                       [&](const hw::TileEnded& e) { end_tile(e); },
+                       [&](const hw::LoopEnded& e) { add_loop(e); },
+                       [&](const hw::BatchStarted& e) {
+                         batches_[e.core].push_back({e.slot, e.node, static_cast<std::uint32_t>(e.rays), e.at});
+                       },
+                       [&](const hw::BatchEnded& e) { end_batch(e); },
+                       [&](const hw::TransferEnded& e) { add_transfer(e); },
+                       [&](const hw::L2LookedUp& e) { (e.hit ? bin_at(e.at).l2_hits : bin_at(e.at).l2_misses) += 1; },
+                       [&](const hw::DramServed& e) {
+                         (e.request.write ? bin_at(e.end).lines_written : bin_at(e.end).lines_read) += 1;
+                       },
+                   });
 }
 
 /// Returns the entry of the tile list that a tag belongs to. A tag is the index of the entry modulo 2^15. It is looked

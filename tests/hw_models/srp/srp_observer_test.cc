@@ -17,24 +17,23 @@ using test::TileBuilder;
 /// Observer that counts events, and the rays in the T&I unit at the end of each batch.
 struct CountingObserver : Observer {
   void on_event(const Event& event) override {
-    std::visit(HandleEvents{
-                   [&](const TileStarted&) { tiles_begun += 1; },
-                   [&](const TileEnded&) { tiles_ended += 1; },
-                   [&](const LoopEnded& loop) { items.push_back(loop.items); },
-                   [&](const BatchStarted& batch) {
-                     batches_begun.push_back(batch.node);
-                     rays_at_begin.push_back(batch.rays);
-                     begin = batch.at;
-                   },
-                   [&](const BatchEnded& ended) {
-                     batches_ended.push_back(ended.node);
-                     rays_of_batch.push_back(ended.batch->items);
-                     rays_at_end.push_back(ended.rays);
-                     end = ended.at;
-                   },
-                   [&](const TransferEnded&) { ADD_FAILURE() << "the DMA reports transfers"; },
-               },
-               event);
+    handle_event(event, HandleEvents{
+                            [&](const TileStarted&) { tiles_begun += 1; },
+                            [&](const TileEnded&) { tiles_ended += 1; },
+                            [&](const LoopEnded& loop) { items.push_back(loop.items); },
+                            [&](const BatchStarted& batch) {
+                              batches_begun.push_back(batch.node);
+                              rays_at_begin.push_back(batch.rays);
+                              begin = batch.at;
+                            },
+                            [&](const BatchEnded& ended) {
+                              batches_ended.push_back(ended.node);
+                              rays_of_batch.push_back(ended.batch->items);
+                              rays_at_end.push_back(ended.rays);
+                              end = ended.at;
+                            },
+                            [&](const TransferEnded&) { ADD_FAILURE() << "the DMA reports transfers"; },
+                        });
   }
 
   int tiles_begun = 0, tiles_ended = 0;
