@@ -38,8 +38,37 @@ struct Sampling {
   std::uint32_t tile_side = 0;  ///< length of a tile's side in samples
   bool has_rates = false;       ///< the block sides in `blocks` may differ from tile to tile
 
+  /// Calls count(name, member...) for each count, with this member of each object in `s`. The names are those of trace
+  /// files.
+  static constexpr void describe(auto&& count, auto&... s) {
+    count("wanted", s.wanted...);
+    count("traced", s.traced...);
+    count("halo", s.halo...);
+    count("correction", s.correction...);
+    count("background", s.background...);
+    count("traced_background", s.traced_background...);
+    count("checked", s.checked...);
+    count("passed", s.passed...);
+    count("failed", s.failed...);
+    count("first_failed", s.first_failed...);
+    count("rough", s.rough...);
+    count("active", s.active...);
+    count("reasons", s.reasons...);
+    count("first_reasons", s.first_reasons...);
+    count("padding", s.padding...);
+    count("propagated", s.propagated...);
+  }
   /// Adds the counts of a tile or frame, except the counts that are kept per tile.
-  void add(const Sampling& other);
+  void add(const Sampling& other) {
+    const auto add_count = [](const char*, auto& sum, const auto& added) {
+      if constexpr (requires { sum.size(); }) {
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += added[i];
+      } else {
+        sum += added;
+      }
+    };
+    describe(add_count, *this, other);
+  }
 };
 
 /// Mark of a sample in debug pictures: bits of the failed checks (Check), and above them how its colour was computed.

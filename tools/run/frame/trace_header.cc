@@ -99,18 +99,16 @@ void check_resolution(const Json& header, const std::string& file, const RunConf
                   file, sides[0], sides[1], config.render.width, config.render.height));
 }
 
-// Reads a count into `number`; an absent key means 0.
+/// Reads a count, or an array of counts, into `number`; an absent key means 0.
 template <class Number>
 void read_count(const Json& json, const char* key, Number& number) {
   if (!json.contains(key)) return;
-  number = static_cast<Number>(traces::number_at(json, key, std::numeric_limits<Number>::max()));
-}
-
-template <class Array>
-void read_counts(const Json& json, const char* key, Array& numbers) {
-  if (!json.contains(key)) return;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i] = traces::number_of(json.at(key).at(i), std::numeric_limits<std::uint64_t>::max(), key);
+  if constexpr (requires { number.size(); }) {
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      number[i] = traces::number_of(json.at(key).at(i), std::numeric_limits<std::uint64_t>::max(), key);
+    }
+  } else {
+    number = static_cast<Number>(traces::number_at(json, key, std::numeric_limits<Number>::max()));
   }
 }
 
@@ -181,31 +179,19 @@ Json recorded_frame(std::uint32_t number, double squared_error, const std::optio
 }
 
 Json recorded_result(const RenderResult& result) {
-  const kernels::Sampling& s = result.sampling;
+  kernels::Sampling s = result.sampling;
+  s.failed = reorder_checks(s.failed, false);
+  s.first_failed = reorder_checks(s.first_failed, false);
+  Json sampling;
+  kernels::Sampling::describe([&](const char* name, const auto& count) { sampling[name] = count; }, s);
+  sampling["similar"] = s.similar;
+  sampling["blocks"] = s.blocks;
+  sampling["tile_side"] = s.tile_side;
+  sampling["has_rates"] = s.has_rates;
   return {{"rays", std::span(result.rays)},
           {"traversal_steps", result.traversal_steps},
           {"continued", result.continued},
-          {"sampling",
-           {{"wanted", s.wanted},
-            {"traced", s.traced},
-            {"halo", s.halo},
-            {"correction", s.correction},
-            {"background", s.background},
-            {"traced_background", s.traced_background},
-            {"checked", s.checked},
-            {"passed", s.passed},
-            {"failed", reorder_checks(s.failed, false)},
-            {"first_failed", reorder_checks(s.first_failed, false)},
-            {"rough", s.rough},
-            {"active", s.active},
-            {"reasons", s.reasons},
-            {"first_reasons", s.first_reasons},
-            {"padding", s.padding},
-            {"propagated", s.propagated},
-            {"similar", s.similar},
-            {"blocks", s.blocks},
-            {"tile_side", s.tile_side},
-            {"has_rates", s.has_rates}}}};
+          {"sampling", std::move(sampling)}};
 }
 
 RenderResult parse_recorded_result(const Json& json) {
@@ -213,25 +199,10 @@ RenderResult parse_recorded_result(const Json& json) {
   read_count(json, "continued", result.continued);
   const Json& from = json.at("sampling");
   kernels::Sampling& s = result.sampling;
-  read_count(from, "wanted", s.wanted);
+  kernels::Sampling::describe([&](const char* name, auto& count) { read_count(from, name, count); }, s);
   if (s.wanted == 0) throw sim::InputError("sampling.wanted is not there or 0");
-  read_count(from, "traced", s.traced);
-  read_count(from, "halo", s.halo);
-  read_count(from, "correction", s.correction);
-  read_count(from, "background", s.background);
-  read_count(from, "traced_background", s.traced_background);
-  read_count(from, "checked", s.checked);
-  read_count(from, "passed", s.passed);
-  read_counts(from, "failed", s.failed);
-  read_counts(from, "first_failed", s.first_failed);
   s.failed = reorder_checks(s.failed, true);
   s.first_failed = reorder_checks(s.first_failed, true);
-  read_count(from, "rough", s.rough);
-  read_counts(from, "active", s.active);
-  read_counts(from, "reasons", s.reasons);
-  read_counts(from, "first_reasons", s.first_reasons);
-  read_count(from, "padding", s.padding);
-  read_count(from, "propagated", s.propagated);
   for (const Json& share : from.value("similar", Json::array())) s.similar.push_back(share.get<float>());
   for (const Json& side : from.value("blocks", Json::array())) {
     s.blocks.push_back(static_cast<std::uint8_t>(traces::number_of(side, 255, "blocks")));
