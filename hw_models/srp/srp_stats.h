@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <utility>
 
 #include "hw_models/srp/schedule.h"
 #include "sim/named.h"
@@ -14,20 +15,19 @@ struct KernelUse {
   std::uint64_t cycles = 0;   ///< shader core cycles of the kernel, including switches and stalls
   std::uint64_t starved = 0;  ///< number of the kernel's cycles in which the T&I unit had no ray
 
+  /// The counts of a kernel's use, by name.
+  static constexpr std::pair<const char*, std::uint64_t KernelUse::*> kCounts[] = {{"launches", &KernelUse::launches},
+                                                                                   {"items", &KernelUse::items},
+                                                                                   {"idle", &KernelUse::idle},
+                                                                                   {"cycles", &KernelUse::cycles},
+                                                                                   {"starved", &KernelUse::starved}};
+
   KernelUse& operator+=(const KernelUse& other) {
-    launches += other.launches;
-    items += other.items;
-    idle += other.idle;
-    cycles += other.cycles;
-    starved += other.starved;
+    for (const auto& [name, count] : kCounts) this->*count += other.*count;
     return *this;
   }
   KernelUse& operator-=(const KernelUse& other) {
-    launches -= other.launches;
-    items -= other.items;
-    idle -= other.idle;
-    cycles -= other.cycles;
-    starved -= other.starved;
+    for (const auto& [name, count] : kCounts) this->*count -= other.*count;
     return *this;
   }
 };

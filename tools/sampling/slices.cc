@@ -247,7 +247,7 @@ void scale_counts(MachineSpan& all, double factor) {
     }
   }
   for (hw::KernelUse& use : all.kernels) {
-    for (std::uint64_t* value : {&use.launches, &use.items, &use.idle, &use.cycles, &use.starved}) by(*value);
+    for (const auto& [name, count] : hw::KernelUse::kCounts) by(use.*count);
   }
 }
 
@@ -423,13 +423,7 @@ namespace {
 
 using sim::Json;
 
-/// JSON keys of counts of kernels, sampling and slices.
-constexpr std::pair<const char*, std::uint64_t hw::KernelUse::*> kKernelCounts[] = {
-    {"launches", &hw::KernelUse::launches},
-    {"items", &hw::KernelUse::items},
-    {"idle", &hw::KernelUse::idle},
-    {"cycles", &hw::KernelUse::cycles},
-    {"starved", &hw::KernelUse::starved}};
+/// JSON keys of counts of sampling and slices.
 constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCounts[] = {
     {"wanted", &kernels::Sampling::wanted},
     {"traced", &kernels::Sampling::traced},
@@ -485,7 +479,7 @@ void read_span(const Json& json, MachineSpan& own) {
   const Json& units = parse_list(json.at("units"), own.units.size(), "units");
   for (std::size_t u = 0; u < own.units.size(); ++u) read_unit(units[u], own.units[u]);
   const Json& kernels = parse_list(json.at("kernels"), own.kernels.size(), "kernels");
-  for (std::size_t k = 0; k < own.kernels.size(); ++k) read_counts(kKernelCounts, kernels[k], own.kernels[k]);
+  for (std::size_t k = 0; k < own.kernels.size(); ++k) read_counts(hw::KernelUse::kCounts, kernels[k], own.kernels[k]);
 }
 
 Json probe_json(const Probe& probe) { return {{"time", probe.time}, {"energy_pj", probe.energy_pj}}; }
@@ -506,7 +500,7 @@ Json slice_json(const SlicePart& part) {
   const RenderResult& function = part.rendered;
   Json units = Json::array(), kernels = Json::array();
   for (const sim::UnitReport& unit : played.own.units) units.push_back(unit_json(unit));
-  for (const hw::KernelUse& use : played.own.kernels) kernels.push_back(counts_json(kKernelCounts, use));
+  for (const hw::KernelUse& use : played.own.kernels) kernels.push_back(counts_json(hw::KernelUse::kCounts, use));
   return {{"tiles", counts_json(kSliceTiles, played.slice)},
           {"time", played.own.time},
           {"units", units},

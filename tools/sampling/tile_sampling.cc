@@ -168,11 +168,10 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
   }
   whole.kernels.resize(run.begin.kernels.size());
   for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
-    const auto of = [&](std::uint64_t hw::KernelUse::*member) {
-      return round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*member; }));
-    };
-    using Use = hw::KernelUse;
-    whole.kernels[k] = {of(&Use::launches), of(&Use::items), of(&Use::idle), of(&Use::cycles), of(&Use::starved)};
+    for (const auto& entry : hw::KernelUse::kCounts) {
+      const auto count = entry.second;
+      whole.kernels[k].*count = round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*count; }));
+    }
   }
   return whole;
 }
