@@ -14,7 +14,7 @@ namespace kernels {
 // Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). The classes here are for V =
 // float, where a port is a pointer or a number. The classes for V = Recorded are in recorder.h.
 //
-// bind_raw() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
+// bind_raw() binds a port to the array of the same name (programs/wavefront/tile_graph.h); bind() binds it to any
 // array.
 
 /// A port through which a kernel loads and stores records in the tile buffer.

@@ -8,9 +8,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/machine.h"
-#include "sim/partitions.h"
 #include "sim/time.h"
-#include "sim/wakeups.h"
 
 namespace sim {
 

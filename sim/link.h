@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -7,9 +8,23 @@
 #include <vector>
 
 #include "sim/time.h"
-#include "sim/wakeups.h"
 
 namespace sim {
+
+/// Handle through which a link lowers a unit's wake-up time, and the minimum of the unit's group in the WakeupTable.
+struct WakeupHandle {
+  WakeupHandle() = default;
+  WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< handle of a unit without a group; detached if null
+  WakeupHandle(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
+
+  void lower_to(Time time) const {
+    *unit = std::min(*unit, time);
+    *group = std::min(*group, time);
+  }
+
+  Time* unit = nullptr;
+  Time* group = nullptr;
+};
 
 /// A connection that carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
 ///
@@ -48,7 +63,7 @@ class Link {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
-  /// Makes the link keep bit number `bit` of `*mask` set while the link contains items (sim/inputs.h).
+  /// Makes the link keep bit number `bit` of `*mask` set while the link contains items (Inputs).
   void bind_occupancy_bit(std::uint64_t* mask, unsigned bit) {
     occupancy_mask_ = mask;
     bit_ = std::uint64_t{1} << bit;
@@ -65,7 +80,7 @@ class Link {
     soonest_ = soonest;
   }
 
-  /// Makes the link increment `*count` while it has at most `free_slots` free slots (sim/partitions.h).
+  /// Makes the link increment `*count` while it has at most `free_slots` free slots (Partition).
   void count_if_nearly_full(std::uint32_t* count, std::size_t free_slots) {
     assert(size_ == 0);
     nearly_full_ = count;
@@ -164,5 +179,49 @@ class Link {
 constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time output_free_at) {
   return item_at > now ? item_at : std::max(now + period, output_free_at);
 }
+
+/// The input links of one unit, at most 64. A mask shows which links contain items, so that empty ones are skipped.
+template <class T>
+class Inputs {
+ public:
+  explicit Inputs(std::vector<Link<T>*> links) : links_(std::move(links)), pop_at_(links_.size(), kNever) {
+    assert(links_.size() <= 64);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      links_[i]->bind_occupancy_bit(&nonempty_mask_, static_cast<unsigned>(i));
+      links_[i]->mirror_pop_time(&pop_at_[i]);
+    }
+  }
+  Inputs(const Inputs&) = delete;
+  Inputs& operator=(const Inputs&) = delete;
+
+  std::size_t size() const { return links_.size(); }
+  Link<T>& operator[](std::size_t i) const { return *links_[i]; }
+
+  /// Returns a mask of the input links that contain items, including items that cannot be popped yet.
+  std::uint64_t nonempty_mask() const { return nonempty_mask_; }
+  /// Returns the earliest time at which an item can be popped from an input link: a local copy of Link::pop_at().
+  Time pop_at(std::size_t link_index) const { return pop_at_[link_index]; }
+  bool can_pop(std::size_t link_index, Time now) const { return pop_at_[link_index] <= now; }
+  /// Returns the earliest time at which an item can be popped from any input link.
+  Time pop_at() const {
+    Time first = kNever;
+    for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {
+      first = std::min(first, pop_at_[static_cast<std::size_t>(std::countr_zero(left))]);
+    }
+    return first;
+  }
+  /// Calls f(link) for each input link that contains items.
+  template <class F>
+  void for_each_nonempty(F&& f) const {
+    for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {
+      f(*links_[static_cast<std::size_t>(std::countr_zero(left))]);
+    }
+  }
+
+ private:
+  std::vector<Link<T>*> links_;
+  std::vector<Time> pop_at_;
+  std::uint64_t nonempty_mask_ = 0;
+};
 
 }  // namespace sim

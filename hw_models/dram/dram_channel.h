@@ -1,5 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -7,19 +11,243 @@
 
 #include "hw_models/dram/dram_config.h"
 #include "hw_models/dram/dram_device.h"
-#include "hw_models/dram/dram_queue.h"
-#include "hw_models/dram/dram_scheduler.h"
-#include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
-#include "sim/activity.h"
-#include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"
 #include "sim/ring.h"
+#include "sim/time.h"
+#include "sim/unit_report.h"
 
 namespace hw {
+
+/// The read queue or write queue of a DRAM channel, oldest request first. For each bank, one bit mask marks the queue
+/// positions of its requests, another those of its row hits. So the scheduler searches banks instead of requests.
+class DramQueue {
+ public:
+  struct Entry {
+    MemRequest request;
+    DramAddress address;
+    std::uint64_t arrived = 0;
+    std::uint16_t port = 0;
+    bool precharged = false;  ///< the DRAM channel precharged the bank for this request
+    bool activated = false;   ///< the DRAM channel opened the row for this request
+  };
+
+  DramQueue(std::uint32_t capacity, std::uint32_t bank_count)
+      : capacity_(capacity), waiting_(bank_count), hits_(bank_count) {
+    assert(capacity <= 64);
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint8_t>(i);
+  }
+
+  bool empty() const { return size_ == 0; }
+  bool is_full() const { return size_ == capacity_; }
+  std::uint32_t size() const { return size_; }
+  const Entry& oldest_entry() const { return entries_[order_[0]]; }
+  Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
+  const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
+
+  /// Returns a mask of the DRAM banks with queued requests.
+  std::uint32_t requested_bank_mask() const { return banks_; }
+  /// Returns a mask of the DRAM banks with a queued row hit.
+  std::uint32_t hit_bank_mask() const { return hit_banks_; }
+  /// Returns a mask of the queue positions of all requests for DRAM bank `bank`.
+  std::uint64_t request_position_mask(std::uint32_t bank) const { return waiting_[bank]; }
+  /// Returns a mask of the queue positions of all requests that hit the open row of DRAM bank `bank`.
+  std::uint64_t hit_position_mask(std::uint32_t bank) const { return hits_[bank]; }
+
+  /// Returns a mask of the queue positions of all requests for the banks in the mask `bank_mask`.
+  std::uint64_t request_position_mask_of_banks(std::uint32_t bank_mask) const {
+    return waiting_.bitwise_or_of(bank_mask);
+  }
+  /// Returns a mask of the queue positions of all row hits of the banks in the mask `bank_mask`.
+  std::uint64_t hit_position_mask_of_banks(std::uint32_t bank_mask) const { return hits_.bitwise_or_of(bank_mask); }
+
+  void push(const Entry& entry, bool row_is_open) {
+    assert(!is_full());
+    const std::uint32_t bank = entry.address.bank;
+    const std::uint64_t bit = std::uint64_t{1} << size_;
+    entries_[order_[size_]] = entry;
+    size_ += 1;
+    waiting_[bank] |= bit;
+    if (row_is_open) set_hit_positions(bank, hits_[bank] | bit);
+    banks_ |= 1U << bank;
+  }
+
+  void remove_at(std::uint32_t position) {
+    assert(position < size_);
+    const std::uint8_t slot = order_[position];
+    const std::uint32_t bank = entries_[slot].address.bank;
+    std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
+    size_ -= 1;
+    order_[size_] = slot;
+    waiting_.transform_all([&](std::uint64_t positions) { return without_position(positions, position); });
+    hits_.transform_all([&](std::uint64_t positions) { return without_position(positions, position); });
+    set_hit_positions(bank, hits_[bank]);
+    if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
+  }
+
+  void note_row_opened(std::uint32_t bank, std::uint32_t row) {
+    std::uint64_t hits = 0;
+    for (std::uint64_t left = waiting_[bank]; left != 0; left &= left - 1) {
+      const auto position = static_cast<std::size_t>(std::countr_zero(left));
+      if (entries_[order_[position]].address.row == row) hits |= std::uint64_t{1} << position;
+    }
+    set_hit_positions(bank, hits);
+  }
+  void note_row_closed(std::uint32_t bank) { set_hit_positions(bank, 0); }
+
+ private:
+  void set_hit_positions(std::uint32_t bank, std::uint64_t position_mask) {
+    hits_[bank] = position_mask;
+    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{position_mask != 0} << bank;
+  }
+
+  /// Returns a mask of queue positions without one removed request. The bits of later requests move down by one.
+  static std::uint64_t without_position(std::uint64_t position_mask, std::uint32_t position) {
+    const std::uint64_t before = (std::uint64_t{1} << position) - 1;
+    return (position_mask & before) | ((position_mask >> 1) & ~before);
+  }
+
+  std::uint32_t capacity_;
+  std::uint32_t size_ = 0;
+  std::uint32_t banks_ = 0;
+  std::uint32_t hit_banks_ = 0;
+  std::array<std::uint8_t, 64> order_{};
+  std::array<Entry, 64> entries_{};
+  BankLanes waiting_, hits_;
+};
+
+/// The next command of a DRAM channel, unless a new request changes the choice. The command is encoded as one number,
+/// so that the preferred command is the smallest: by earliest cycle, then kind of command, then age of the request. The
+/// low bits hold the bank.
+class ScheduledCommand {
+ public:
+  using Cycle = CommandCalendar::Cycle;
+
+  /// Constructs the encoding of "no command", which sorts after every command.
+  ScheduledCommand() = default;
+  /// Constructs a command that starts at cycle `at` for the request at position `position` of its DramQueue.
+  ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
+      : key_(at << kAt.first | std::uint64_t{static_cast<std::uint8_t>(command)} << kCommand.first |
+             position << kPosition.first | bank << kBank.first) {}
+
+  bool is_none() const { return key_ == kNone; }
+  Cycle start_cycle() const { return is_none() ? sim::kNever : kAt.extract_from(key_); }
+  DramCommand command_kind() const { return static_cast<DramCommand>(kCommand.extract_from(key_)); }
+  std::uint32_t queue_position() const { return static_cast<std::uint32_t>(kPosition.extract_from(key_)); }
+  std::uint32_t bank() const { return static_cast<std::uint32_t>(kBank.extract_from(key_)); }
+  friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
+
+ private:
+  /// A bit field of the number that encodes a DRAM command: `bits` bits from bit `first` upwards.
+  struct BitField {
+    std::uint32_t first, bits;
+    constexpr std::uint64_t extract_from(std::uint64_t key) const {
+      return key >> first & ((std::uint64_t{1} << bits) - 1);
+    }
+  };
+  static constexpr BitField kBank{0, 5}, kPosition{5, 6}, kCommand{11, 2}, kAt{13, 51};
+
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::uint64_t key_ = kNone;
+};
+
+/// Masks of the DRAM banks for which a scheduling policy allows commands.
+struct EligibleBanks {
+  std::uint32_t all = 0;      ///< mask of the banks for which the policy allows any command
+  std::uint32_t columns = 0;  ///< mask of the banks for which the policy allows a read or write of the open row
+};
+
+/// FR-FCFS (first ready, first come, first served; Rixner et al. 2000). A row hit may overtake older requests of its
+/// bank until the queue's oldest request exceeds the age limit.
+struct FrFcfs {
+  static EligibleBanks eligible_banks(const DramQueue& queue, bool is_overdue) {
+    EligibleBanks banks{queue.requested_bank_mask(), queue.hit_bank_mask()};
+    if (is_overdue) [[unlikely]]
+      banks.columns = hit_bank_mask_protecting_oldest(queue);
+    return banks;
+  }
+  /// Returns a mask of the banks with queued row hits. The bank of the oldest request is included only if that request
+  /// hits.
+  static std::uint32_t hit_bank_mask_protecting_oldest(const DramQueue& queue) {
+    const std::uint32_t bank = queue.oldest_entry().address.bank;
+    return (queue.hit_position_mask(bank) & 1) != 0 ? queue.hit_bank_mask() : queue.hit_bank_mask() & ~(1U << bank);
+  }
+};
+
+/// FCFS (first come, first served): the oldest request in the DRAM queue blocks all others.
+struct Fcfs {
+  static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
+    return {1U << queue.oldest_entry().address.bank, FrFcfs::hit_bank_mask_protecting_oldest(queue)};
+  }
+};
+
+/// Chooses a DRAM channel's next command among the banks that the policy allows. The earliest command wins. Among
+/// equally early ones, column commands precede activates, activates precede precharges, then the oldest request wins.
+class DramScheduler {
+ public:
+  using Cycle = DramDevice::Cycle;
+
+  DramScheduler(const DramConfig& config, const DramDevice& device)
+      : policy_(config.controller.scheduler), ranks_(config.organisation.ranks), device_(device) {}
+
+  /// Returns the preferred command for the requests in a DRAM queue. `writes`: the queue is the write queue.
+  /// `is_overdue`: its oldest request exceeds the age limit.
+  ScheduledCommand best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const;
+
+ private:
+  template <DramCommand kCommand>
+  void keep_better_command(const DramQueue& queue, std::uint32_t bank_mask, std::uint32_t rank, bool writes, Cycle from,
+                           ScheduledCommand& best) const;
+
+  const DramSchedulingPolicy policy_;
+  const std::uint32_t ranks_;
+  const DramDevice& device_;
+};
+
+/// Decides whether a DRAM row is closed after its last queued hit.
+///
+/// The adaptive policy closes the row if a request for another row of the bank waits. Otherwise a two-bit saturating
+/// counter per bank decides: the row is closed if the counter is at least 2. The first request after a last hit moves
+/// the counter up if it needs another row, otherwise down, whatever was decided for that row.
+class DramPagePolicy {
+ public:
+  explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}
+
+  /// True if the row is to be closed after the row hit being served, when no further hit is queued. `other_rows_wait`:
+  /// requests for other rows of the bank are queued.
+  bool should_close_row(std::uint32_t bank, std::uint32_t row, bool other_rows_wait) {
+    if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
+    if (other_rows_wait) {
+      count_next_row(bank, true);
+      return true;
+    }
+    last_row_[bank] = row;
+    untrained_banks_ |= 1U << bank;
+    return others_[bank] >= 2;
+  }
+
+  /// Updates the row predictor of a DRAM bank when a request arrives.
+  void note_request(std::uint32_t bank, std::uint32_t row) {
+    if ((untrained_banks_ >> bank & 1) == 0) return;
+    untrained_banks_ &= ~(1U << bank);
+    count_next_row(bank, row != last_row_[bank]);
+  }
+
+ private:
+  void count_next_row(std::uint32_t bank, bool is_other_row) {
+    std::uint8_t& n = others_[bank];
+    if (is_other_row ? n < 3 : n > 0) n = static_cast<std::uint8_t>(is_other_row ? n + 1 : n - 1);
+  }
+
+  PagePolicy policy_;
+  std::uint32_t untrained_banks_ = 0;  ///< mask of the banks whose predictor is updated by the next request
+  std::array<std::uint32_t, 32> last_row_{};
+  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank; 2 or 3 predicts that the next request
+                                           ///< needs another row
+};
 
 /// Queue of the bursts that are booked on a DRAM channel's data bus and have not ended yet, sorted by start time.
 class DataBus {

@@ -5,12 +5,228 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 
-#include "hw_models/dram/bank_lanes.h"
 #include "hw_models/dram/dram_config.h"
-#include "hw_models/dram/dram_timing_table.h"
+#include "sim/unit_report.h"
 
 namespace hw {
+
+/// Reasons to which a DRAM channel charges its cycles.
+enum class DramCycleReason : std::uint8_t {
+  kIdle,
+  kReading,
+  kWriting,
+  kLatency,
+  kRowConflict,
+  kActivate,
+  kRefresh,
+  kTurnaround,
+  kColumn,
+  kCommandBus,
+  kReturnsFull,
+  kRankSwitch,
+  kPowerDown,
+  kCount
+};
+inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
+    {DramCycleReason::kIdle, sim::idle_reason("idle", "nothing queued, no data expected")},
+    {DramCycleReason::kReading, sim::working_reason("reading", "read data are on the data bus")},
+    {DramCycleReason::kWriting, sim::working_reason("writing", "write data are on the data bus")},
+    {DramCycleReason::kLatency, sim::working_reason("latency", "nothing queued, data in flight")},
+    {DramCycleReason::kRowConflict,
+     sim::working_reason("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
+    {DramCycleReason::kActivate,
+     sim::working_reason("activate",
+                         "a row is being opened, or an activate waits for an earlier one (tRCD, tRC, tRRD, tFAW)")},
+    {DramCycleReason::kRefresh, sim::background_reason("refresh", "the bank is refreshing")},
+    {DramCycleReason::kTurnaround, sim::working_reason("turnaround", "the data bus changes direction")},
+    {DramCycleReason::kColumn, sim::working_reason("column", "a column command waits for an earlier one (tCCD)")},
+    {DramCycleReason::kCommandBus, sim::working_reason("command_bus", "the command bus is occupied")},
+    {DramCycleReason::kReturnsFull,
+     sim::waiting_reason("returns_full", "reads cannot start because responses wait for room")},
+    {DramCycleReason::kRankSwitch, sim::working_reason("rank_switch", "the data bus changes from one rank to another")},
+    {DramCycleReason::kPowerDown, sim::working_reason("power_down_exit", "the device leaves power-down (tXP)")},
+});
+
+/// Operations of a DRAM bank or rank between which timing constraints apply. A read or write operation consists of all
+/// column commands of one line and starts with the first of them.
+enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
+
+/// Banks to which a DRAM timing constraint applies, relative to the bank of the earlier operation.
+enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
+
+/// DRAM timing parameters in cycles, and sums of them that several constraints use.
+struct DramTerms : DramTiming {
+  explicit DramTerms(const DramConfig& c)
+      : DramTiming(c.timing),
+        column_span(std::int64_t{c.bursts_per_line() - 1} * ccd_l),
+        read_latency(std::int64_t{rl} + dqsck),
+        write_latency(std::int64_t{wl} + dqss),
+        read_end(column_span + read_latency + burst),
+        write_end(column_span + write_latency + burst) {}
+
+  std::int64_t column_span;                  ///< cycles from the first to the last column command of a line
+  std::int64_t read_latency, write_latency;  ///< cycles from a column command to its first data
+  std::int64_t read_end, write_end;          ///< cycles from the first column command of a line to the end of its data
+};
+
+/// A DRAM timing constraint: operation `to` must start at least `cycles` after the last operation `from`, on all banks
+/// of `scope`. If `count` > 1, the distance is measured from the `count`th last operation `from`.
+struct DramConstraint {
+  DramScope scope;
+  DramOp from, to;
+  std::int64_t (*cycles)(const DramTerms& t);         ///< minimum distance of the two operations in cycles; may be
+                                                      ///< negative between ranks
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason to which cycles spent waiting for this constraint are
+                                                      ///< charged
+  std::uint32_t count = 1;
+};
+
+/// The timing constraints of all DRAM speed grades (JESD209). DramDevice applies them after each operation. To add a
+/// command, add an operation, its rows in this table, and its state change in DramDevice.
+inline constexpr auto kDramConstraints = [] {
+  using enum DramScope;
+  using Op = DramOp;
+  using Reason = DramCycleReason;
+  using Terms = const DramTerms&;
+  return std::to_array<DramConstraint>({
+      {kBank, Op::kActivate, Op::kRead, [](Terms t) { return std::int64_t{t.rcd}; }},
+      {kBank, Op::kActivate, Op::kWrite, [](Terms t) { return std::int64_t{t.rcd}; }},
+      {kBank, Op::kActivate, Op::kPrecharge, [](Terms t) { return std::int64_t{t.ras}; }},
+      {kBank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.rc}; }},
+      {kRank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.rrd}; }, Reason::kActivate},
+      {kRank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.faw}; }, Reason::kActivate, 4},
+
+      {kBank, Op::kPrecharge, Op::kActivate, [](Terms t) { return std::int64_t{t.rp}; }},
+
+      {kBank, Op::kRead, Op::kPrecharge, [](Terms t) { return t.column_span + t.rtp; }},
+      {kBankGroup, Op::kRead, Op::kRead, [](Terms t) { return t.column_span + t.ccd_l; }},
+      {kBankGroup, Op::kRead, Op::kWrite, [](Terms t) { return t.column_span + t.ccd_l; }},
+      {kRank, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kRead, Op::kRead, [](Terms t) { return t.column_span + t.burst + t.rtrs; },
+       Reason::kRankSwitch},
+      {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtrs - t.wl; }, Reason::kRankSwitch},
+
+      {kBank, Op::kWrite, Op::kPrecharge, [](Terms t) { return t.write_end + t.wr; }},
+      {kBankGroup, Op::kWrite, Op::kRead, [](Terms t) { return t.column_span + t.write_latency + t.ccd_l + t.wtr_l; }},
+      {kBankGroup, Op::kWrite, Op::kWrite, [](Terms t) { return t.column_span + t.ccd_l; }},
+      {kRank, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.wtr_s; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.rtrs - t.read_latency; },
+       Reason::kRankSwitch},
+      {kOtherRanks, Op::kWrite, Op::kWrite, [](Terms t) { return t.column_span + t.burst + t.rtrs; },
+       Reason::kRankSwitch},
+
+      {kBank, Op::kRefresh, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_pb}; }},
+      {kBank, Op::kRefreshRank, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_ab}; }},
+  });
+}();
+
+/// Returns, for each constraint of kDramConstraints, its minimum distance in cycles for a DRAM configuration
+/// (configs/dram/).
+inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
+  std::array<std::int64_t, kDramConstraints.size()> cycles{};
+  const DramTerms terms(config);
+  for (std::size_t i = 0; i < cycles.size(); ++i) cycles[i] = kDramConstraints[i].cycles(terms);
+  return cycles;
+}
+
+/// An array with one number for each bank of a DRAM channel, over all ranks. Functions process four banks at a time,
+/// without branches. They take and return sets of banks as bit masks, one bit per bank.
+class BankLanes {
+ public:
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks of a channel, over all ranks
+
+  /// Creates an array of zeros for the `bank_count` banks of a DRAM channel.
+  explicit BankLanes(std::uint32_t bank_count) : fours_((bank_count + kWidth - 1) / kWidth) {}
+
+  std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
+  std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
+
+  /// Returns a mask of the DRAM banks whose number in this array is at most `limit`. `limit` must be below 2^63. Mask
+  /// bits above the last bank are undefined.
+  std::uint32_t banks_with_value_at_most(std::uint64_t limit) const {
+    return banks_with_value_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
+  }
+  /// Returns a mask of the banks whose numbers in this array and in the array `other` are both at most `limit`.
+  std::uint32_t banks_with_both_at_most(const BankLanes& other, std::uint64_t limit) const {
+    return banks_with_value_at_most(limit,
+                                    [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
+  }
+  /// Returns the smallest number that this array stores for the banks in the mask `bank_mask`.
+  std::uint64_t min_of(std::uint32_t bank_mask) const {
+    return min_of(bank_mask, [&](std::uint32_t four) { return load_four(four); });
+  }
+  /// Takes, for each bank in the mask `bank_mask`, the larger of its numbers in this array and in the array `other`.
+  /// Returns the minimum over these banks.
+  std::uint64_t min_of_maxima_with(const BankLanes& other, std::uint32_t bank_mask) const {
+    return min_of(bank_mask, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
+  }
+  /// Returns the bitwise OR of the numbers in this array for the banks in the mask `bank_mask`.
+  std::uint64_t bitwise_or_of(std::uint32_t bank_mask) const {
+    Four any{};
+    for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & bank_mask) == bit); });
+    return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
+  }
+  /// Raises the number of each bank in the mask `bank_mask`, in this array, to at least `minimum`.
+  void raise_to_at_least(std::uint32_t bank_mask, std::uint64_t minimum) {
+    const Four bound = Four{} + static_cast<std::int64_t>(minimum);
+    Four bit{1, 2, 4, 8};
+    for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) {
+      const Four number = load_four(four), above = ((bit & bank_mask) == bit) & (bound > number);
+      const Four raised = (bound & above) | (number & ~above);
+      std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
+    }
+  }
+  /// Replaces the number n of every bank in this array by f(n). The loop is written so that the compiler can vectorise
+  /// it.
+  template <class F>
+  void transform_all(F&& f) {
+    for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
+  }
+
+ private:
+  static constexpr std::uint32_t kWidth = 4;
+  using Four [[gnu::vector_size(32)]] = std::int64_t;  // four numbers; signed, because SIMD comparisons are signed
+
+  /// Calls f(i, bits) for each group of four banks. `i`: index of the group; `bits`: mask bit of each of its banks.
+  template <class F>
+  void for_each_four(F&& f) const {
+    Four bit{1, 2, 4, 8};
+    for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) f(four, bit);
+  }
+  template <class Get>
+  std::uint32_t banks_with_value_at_most(std::uint64_t limit, Get&& get) const {
+    Four banks{};
+    for_each_four(
+        [&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(limit)); });
+    return static_cast<std::uint32_t>(banks[0] | banks[1] | banks[2] | banks[3]);
+  }
+  template <class Get>
+  std::uint64_t min_of(std::uint32_t bank_mask, Get&& get) const {
+    constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+    Four least{kNone, kNone, kNone, kNone};
+    for_each_four([&](std::uint32_t four, const Four& bit) {
+      const Four asked = (bit & bank_mask) == bit, number = get(four), less = asked & (number < least);
+      least = (number & less) | (least & ~less);
+    });
+    return static_cast<std::uint64_t>(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));
+  }
+  Four load_four(std::uint32_t four) const {
+    Four numbers;
+    std::memcpy(&numbers, &all_[std::size_t{four} * kWidth], sizeof numbers);
+    return numbers;
+  }
+  static Four max_of(const Four& a, const Four& b) {
+    const Four above = a > b;
+    return (a & above) | (b & ~above);
+  }
+
+  std::uint32_t fours_;
+  alignas(32) std::array<std::uint64_t, kMaxBanks> all_{};
+};
 
 /// DRAM commands in the order in which a scheduler prefers them. kColumn represents all the read commands, or all the
 /// write commands, that transfer one line.

@@ -6,9 +6,9 @@
 #include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
-#include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

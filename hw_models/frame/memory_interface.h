@@ -10,9 +10,9 @@
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
-#include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

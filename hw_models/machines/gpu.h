@@ -14,7 +14,6 @@
 #include "hw_models/machines/memory_system.h"
 #include "hw_models/memory/observer.h"
 #include "hw_models/raster/raster_unit.h"
-#include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"

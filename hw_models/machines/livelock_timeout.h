@@ -2,7 +2,6 @@
 #include <span>
 
 #include "hw_models/machines/gpu_config.h"
-#include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule.h"
 #include "sim/time.h"
 

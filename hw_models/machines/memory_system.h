@@ -8,7 +8,6 @@
 #include "hw_models/memory/background_source.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
-#include "hw_models/memory/memory_port.h"
 #include "hw_models/memory/observer.h"
 #include "hw_models/memory/system_cache.h"
 #include "sim/machine.h"

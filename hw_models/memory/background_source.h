@@ -6,11 +6,11 @@
 
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
-#include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/link.h"
 #include "sim/named.h"
 #include "sim/time.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

@@ -6,18 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/arbiter.h"
+#include "hw_models/memory/cache.h"
 #include "hw_models/memory/cache_config.h"
-#include "hw_models/memory/cache_tags.h"
 #include "hw_models/memory/latency_sum.h"
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/mshr_file.h"
 #include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
-#include "sim/activity.h"
-#include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

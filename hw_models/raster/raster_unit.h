@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/cache.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit_config.h"
 #include "hw_models/srp/messages.h"
-#include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
 #include "sim/ring.h"
+#include "sim/unit_report.h"
 #include "traces/stream.h"
 
 namespace hw {

@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "hw_models/memory/unit_names.h"
-#include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "sim/time.h"
+#include "sim/unit_report.h"
 #include "traces/stream.h"
 
 namespace hw {
@@ -75,7 +75,7 @@ inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const trace
 /// A core's tile buffer: tracks the ray slots in use, and counts 16-byte accesses for the energy.
 ///
 /// 1. A ray needs a free slot. The slot is also reserved for the ray's hit, so hits never wait.
-/// 2. Bank conflicts of kernels are computed with their schedules (bank_conflicts.h).
+/// 2. Bank conflicts of kernels are computed with their schedules (schedule.h).
 ///
 /// Not modelled: bank conflicts with accesses of the T&I unit and the DMA.
 class TileBuffer {

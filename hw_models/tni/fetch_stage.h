@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/cache.h"
 #include "hw_models/tni/tni_config.h"
 #include "sim/link.h"
 #include "sim/named.h"

@@ -4,17 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/arbiter.h"
+#include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "sim/activity.h"
-#include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

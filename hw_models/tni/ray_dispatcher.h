@@ -3,14 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/arbiter.h"
+#include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
-#include "sim/activity.h"
-#include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

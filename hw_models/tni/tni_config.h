@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/cache.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "sim/unit_report.h"

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "hw_models/memory/core_port.h"
-#include "hw_models/memory/memory_port.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
@@ -46,7 +45,7 @@ class TniCore {
   /// `hit_interval`: minimum cycles from one returned hit to the next.
   void build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
-  /// Makes this T&I unit a cluster of the machine (sim/partitions.h): the T&I unit, not the engine, ticks its
+  /// Makes this T&I unit a cluster of the machine (sim/machine.h): the T&I unit, not the engine, ticks its
   /// dispatcher, TRVs and IST. The core's cache port belongs to the cluster if it has the same clock.
   void make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);

@@ -12,9 +12,9 @@
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/traversal_slot.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 

@@ -6,7 +6,6 @@
 
 #include "sim/error.h"
 #include "sim/report/energy.h"
-#include "sim/report/energy_table.h"
 
 namespace sim {
 namespace {

@@ -2,14 +2,132 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <set>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "sim/config/quantity.h"
+#include "sim/config/value.h"
 #include "sim/error.h"
 
 namespace sim {
+namespace {
+
+std::uint64_t frequency_of(const std::string& name, std::string_view text) {
+  try {
+    const std::uint64_t hz = read_quantity(text, frequency_units());
+    if (hz > 0) return hz;
+    throw BadValue{"a frequency of 0"};
+  } catch (const BadValue& bad) {
+    throw InputError(
+        fmt::format("power.dvfs.{}: {}; allowed: a domain and its frequency, such as tni@500MHz", name, bad.problem));
+  }
+}
+
+}  // namespace
+
+double VoltageCurve::voltage_at(std::uint64_t hz) const {
+  const auto above = std::ranges::find_if(points_, [&](const Point& p) { return p.hz >= hz; });
+  if (above != points_.end() && (above == points_.begin() || above->hz == hz)) return above->volt;
+  if (points_.size() == 1) return points_.front().volt;
+  const Point& b = above == points_.end() ? points_.back() : *above;
+  const Point& a = *(&b - 1);
+  return a.volt + (b.volt - a.volt) * (static_cast<double>(hz) - static_cast<double>(a.hz)) /
+                      (static_cast<double>(b.hz) - static_cast<double>(a.hz));
+}
+
+std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config) {
+  std::map<std::string, VoltageCurve> curves;
+  for (const auto& [name, volt] : config.dvfs) {
+    const std::size_t at = std::min(name.find('@'), name.size());
+    const std::uint64_t hz = frequency_of(name, std::string_view(name).substr(std::min(at + 1, name.size())));
+    curves[name.substr(0, at)].points_.push_back({hz, volt.nominal});
+  }
+  for (auto& [domain, curve] : curves) {
+    std::ranges::sort(curve.points_, {}, &VoltageCurve::Point::hz);
+    for (std::size_t i = 1; i < curve.points_.size(); ++i) {
+      const VoltageCurve::Point &a = curve.points_[i - 1], &b = curve.points_[i];
+      if (a.hz < b.hz && a.volt <= b.volt) continue;
+      throw InputError(fmt::format(
+          "power.dvfs: {} has {} V at {} and {} V at {}; allowed: one voltage a frequency, "
+          "which does not fall as the clock rises",
+          domain, a.volt, quantity_text(a.hz, frequency_units()), b.volt, quantity_text(b.hz, frequency_units())));
+    }
+  }
+  return curves;
+}
+
+PowerScale power_scale(const PowerConfig& config, double volt) {
+  const double ratio = volt / config.nominal_voltage;
+  return {ratio * ratio, std::pow(ratio, config.leakage_exponent) *
+                             std::exp2((config.temperature - config.nominal_temperature) / config.leakage_doubling)};
+}
+
+namespace {
+
+double size_of(std::string_view key, const std::string& name, std::string_view size) {
+  try {
+    const std::uint64_t bytes = read_quantity(size, byte_units());
+    if (bytes > 0) return static_cast<double>(bytes);
+    throw BadValue{"a size of 0"};
+  } catch (const BadValue& bad) {
+    throw InputError(fmt::format("{}.{}: {}; allowed: a size such as @16KiB", key, name, bad.problem));
+  }
+}
+
+}  // namespace
+
+EnergyTable::EnergyTable(const std::map<std::string, Band>& events, std::string_view key) {
+  for (const auto& [name, pj] : events) {
+    const std::size_t at = name.find('@');
+    const double bytes = at == std::string::npos ? 0 : size_of(key, name, std::string_view(name).substr(at + 1));
+    std::vector<EnergyCurve::Point>& curve = curves_[event_name_of(name)].points_;
+    if (!curve.empty() && (bytes == 0 || curve.front().bytes == 0)) {
+      throw InputError(fmt::format("{}.{}: given with and without a size; allowed: either", key, name));
+    }
+    curve.push_back({bytes, &pj});
+  }
+  for (auto& [name, curve] : curves_) std::ranges::sort(curve.points_, {}, &EnergyCurve::Point::bytes);
+}
+
+double EnergyPoint::energy_of(BandMember member) const {
+  const double pj = left->*member;
+  return right == nullptr ? pj : pj * std::pow(right->*member / pj, part);
+}
+
+EnergyPoint EnergyCurve::point_at(std::uint64_t bytes) const {
+  if (points_.size() == 1) return {.left = points_.front().pj};
+  assert(bytes > 0);
+  const auto size = static_cast<double>(bytes);
+  const auto above = std::ranges::find_if(points_, [&](const Point& p) { return p.bytes >= size; });
+  const auto right = std::clamp(above, points_.begin() + 1, points_.end() - 1);
+  const Point& a = *(right - 1);
+  const Point& b = *right;
+  return {a.pj, b.pj, std::log(size / a.bytes) / std::log(b.bytes / a.bytes)};
+}
+
+Band EnergyTable::energy_of(std::string_view event, std::uint64_t bytes) const {
+  const EnergyPoint point = curve_of(event).point_at(bytes);
+  return {point.energy_of(&Band::low), point.energy_of(&Band::nominal), point.energy_of(&Band::high)};
+}
+
+std::vector<std::string> EnergyTable::event_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, curve] : curves_) names.push_back(name);
+  return names;
+}
+
+const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key) {
+  if (const Band* const entry = find_entry(table, unit)) return *entry;
+  throw_missing_entry(unit, key);
+}
+
+void throw_missing_entry(const UnitReport& unit, std::string_view key) {
+  throw InputError(
+      fmt::format("{}: no entry for unit '{}'; allowed: '{}' or '{}'", key, unit.path, entry_name(unit), unit.block));
+}
 
 Band operator+(const Band& a, const Band& b) { return {a.low + b.low, a.nominal + b.nominal, a.high + b.high}; }
 Band operator*(const Band& a, const Band& b) { return {a.low * b.low, a.nominal * b.nominal, a.high * b.high}; }

@@ -4,16 +4,190 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/config/field.h"
 #include "sim/named.h"
-#include "sim/report/energy_table.h"
-#include "sim/report/power.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
 
 namespace sim {
+
+/// Selects the voltage for which energies are computed.
+enum class Voltage : std::uint8_t {
+  kNominal,  ///< the voltage of the energy table, for any clock frequency
+  kDvfs,     ///< the voltage that each clock domain needs for its frequency
+};
+constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
+
+/// Power state of the chip between frames.
+enum class ChipIdle : std::uint8_t {
+  kPowerGated,  ///< supply off; the fraction `idle_leakage` of the leakage remains
+  kClockGated,  ///< supply on, clocks off: all leakage remains
+  kClocked,     ///< supply and clocks on: all leakage, and the clock energy of idle units
+};
+constexpr std::array<std::string_view, 3> names_of(ChipIdle) { return {"power_gated", "clock_gated", "clocked"}; }
+
+/// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults do not
+/// scale energies.
+struct PowerConfig {
+  std::string process = "unnamed";
+  Voltage voltage = Voltage::kNominal;
+  std::map<std::string, Band> dvfs;
+  double nominal_voltage = 0.8;
+  double max_voltage = 5;
+  double temperature = 75, nominal_temperature = 75;
+  double leakage_exponent = 3;
+  double leakage_doubling = 25;
+  ChipIdle idle = ChipIdle::kPowerGated;
+  double idle_leakage = 0.03;
+
+  static void describe(auto& c, auto&& field) {
+    const auto power = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
+      field(value, name, unit, meaning, limits, Affects::kEnergy);
+    };
+    power(NAMED(c.process), "", "technology of the table", any());
+    power(NAMED(c.voltage), "",
+          "voltage used for energies: that of the energy table at any clock, or the one that each clock needs by dvfs",
+          any());
+    power(NAMED(c.dvfs), "V", "voltage that a clock domain needs for a frequency, as tni@500MHz: points of a curve",
+          at_least(0));
+    power(NAMED(c.nominal_voltage), "V", "voltage of the energy table", between(0.1, 5));
+    power(NAMED(c.max_voltage), "V", "highest voltage that the process allows; a clock that needs more is a warning",
+          between(0.1, 5));
+    power(NAMED(c.temperature), "C", "temperature of the chip, for leakage", between(-40, 150));
+    power(NAMED(c.nominal_temperature), "C", "temperature of the energy table", between(-40, 150));
+    power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));
+    power(NAMED(c.leakage_doubling), "C", "rise of temperature that doubles leakage", between(1, 1000));
+    power(NAMED(c.idle), "",
+          "state of the chip between frames: without supply, without clocks, or with the clocks of idle units", any());
+    power(NAMED(c.idle_leakage), "", "share of the leakage that remains between frames with idle power_gated",
+          between(0, 1));
+  }
+  void check(auto&& complain) const {
+    for (const auto& [name, volt] : dvfs) {
+      if (volt.low != volt.high || volt.low <= 0) {
+        complain("dvfs", "'" + name + "' is no voltage; allowed: one number of volts, more than 0");
+      }
+    }
+  }
+};
+
+/// Factors that are applied to the energies of a block from the energy table. Energies of external devices (DRAM) are
+/// not scaled.
+struct PowerScale {
+  double dynamic = 1, leakage = 1;
+};
+/// Scale factors by block name. Blocks that are absent have factors of 1.
+using PowerScales = std::map<std::string, PowerScale>;
+
+/// Voltage of a clock domain as a function of its frequency: linear between points, constant below the lowest point,
+/// extrapolated above the highest.
+class VoltageCurve {
+ public:
+  double voltage_at(std::uint64_t hz) const;
+  std::uint64_t least_hz() const { return points_.front().hz; }
+  std::uint64_t most_hz() const { return points_.back().hz; }
+
+ private:
+  friend std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
+  struct Point {
+    std::uint64_t hz;
+    double volt;
+  };
+  std::vector<Point> points_;  ///< points of the curve by increasing frequency
+};
+
+/// Returns the voltage curve of each clock domain in `config.dvfs`. Throws InputError for an entry without a frequency,
+/// or a voltage that decreases with frequency.
+std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
+
+/// Returns the energy factors for a voltage. Dynamic energy grows with the square of the voltage. Leakage grows with a
+/// power of the voltage, and doubles every `leakage_doubling` degrees.
+PowerScale power_scale(const PowerConfig& config, double volt);
+
+/// Selects the low, nominal or high value of a Band.
+using BandMember = double Band::*;
+inline constexpr std::array<BandMember, 3> kBandMembers = {&Band::low, &Band::nominal, &Band::high};
+
+/// Energy of an event for one size of memory array: a point of a curve, or a power-law interpolation between two
+/// points. The object refers to values in the energy table, which may change later.
+struct EnergyPoint {
+  const Band* left = nullptr;
+  const Band* right = nullptr;  ///< second point; null: the energy is that of `left`
+  double part = 0;              ///< position between `left` (0) and `right` (1), in the logarithm of the size
+  double energy_of(BandMember member) const;
+  friend bool operator==(const EnergyPoint&, const EnergyPoint&) = default;
+};
+
+/// Energy in pJ of an event, as a function of the size of the memory array that the event accesses.
+class EnergyCurve {
+ public:
+  bool depends_on_size() const { return points_.size() > 1; }
+  /// Returns the energy for an array of `bytes` bytes. `bytes` must be more than 0 if depends_on_size().
+  EnergyPoint point_at(std::uint64_t bytes) const;
+  /// Smallest and largest array size of the curve's points, in bytes. point_at() extrapolates outside this range.
+  std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
+  std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
+
+ private:
+  friend class EnergyTable;
+  struct Point {
+    double bytes;
+    const Band* pj;
+  };
+  /// Points of the energy curve by increasing size of the memory array; a single point of size 0 if the energy does not
+  /// depend on the size.
+  std::vector<Point> points_;
+};
+
+/// Looks up the energy of events in the energy table `events`, which must outlive the EnergyTable and keep its entries.
+class EnergyTable {
+ public:
+  /// Throws InputError for an event with an invalid size ("@16KiB"), and for an event both with and without a size.
+  /// `key`: name of the table in error texts.
+  explicit EnergyTable(const std::map<std::string, Band>& events, std::string_view key = "energy.events");
+  explicit EnergyTable(std::map<std::string, Band>&&,
+                       std::string_view = {}) = delete;  // deleted, because this object keeps pointers to the entries
+
+  /// Returns the energy in pJ of an event in a memory array of `bytes` bytes. Requires contains(event).
+  Band energy_of(std::string_view event, std::uint64_t bytes) const;
+  bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
+  const EnergyCurve& curve_of(std::string_view event) const { return curves_.at(std::string(event)); }
+  /// Returns the names of all events in alphabetical order. An event with several sizes ("name@16KiB") appears once
+  /// ("name").
+  std::vector<std::string> event_names() const;
+
+ private:
+  std::map<std::string, EnergyCurve> curves_;
+};
+
+/// Returns the event name of an energy table entry, without the size: "cache.l1_read" for "cache.l1_read@16KiB".
+inline std::string event_name_of(std::string_view entry) { return std::string(entry.substr(0, entry.find('@'))); }
+
+/// Returns the name of a unit's entry in energy and area tables: "tni.trv" for "core0.tni.trv2" of block "tni".
+inline std::string entry_name(const UnitReport& unit) {
+  std::string kind = unit.path.substr(unit.path.rfind('.') + 1);
+  kind.erase(kind.find_last_not_of("0123456789") + 1);
+  return unit.block + "." + kind;
+}
+
+/// Returns a unit's entry in an energy or area table: by entry_name(), or else the entry of its block. Null if the
+/// table has neither.
+template <class Table>
+auto find_entry(const Table& table, const UnitReport& unit) -> const typename Table::mapped_type* {
+  for (const std::string& name : {entry_name(unit), unit.block}) {
+    if (const auto found = table.find(name); found != table.end()) return &found->second;
+  }
+  return nullptr;
+}
+
+/// Returns a unit's entry in an energy or area table. If there is none, throws InputError with the key of the table and
+/// both names that were looked up.
+const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key);
+/// Throws the InputError of required_entry() for a missing entry.
+[[noreturn]] void throw_missing_entry(const UnitReport& unit, std::string_view key);
 
 /// Energy table of a manufacturing process: one file of configs/energy.
 ///

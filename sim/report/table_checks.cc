@@ -12,7 +12,7 @@
 #include "sim/config/quantity.h"
 #include "sim/edit_distance.h"
 #include "sim/error.h"
-#include "sim/report/energy_table.h"
+#include "sim/report/energy.h"
 
 namespace sim {
 namespace {

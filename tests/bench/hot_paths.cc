@@ -9,7 +9,7 @@
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/dram/dram_measurements.h"
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/cache.h"
 #include "sim/config/config.h"
 #include "sim/hash.h"
 #include "sim/link.h"

@@ -1,5 +1,3 @@
-#include "shader_kernels/programs/wavefront/port_binding.h"
-
 #include <stdexcept>
 #include <string>
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/machine.h"
+#include "sim/unit_report.h"
 
 namespace sim::test {
 

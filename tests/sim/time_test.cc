@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/hash.h"
+#include "sim/unit_report.h"
 
 namespace sim::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/wakeups.h"
+#include "sim/machine.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -10,7 +10,6 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/energy_table.h"
 #include "sim/report/table_checks.h"
 #include "tools/run/frame/run_job.h"
 

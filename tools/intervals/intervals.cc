@@ -23,7 +23,7 @@
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/pricing/reported_units.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/packing.h"

@@ -8,9 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/activity.h"
 #include "sim/intervals.h"
-#include "sim/report/energy_table.h"
+#include "sim/report/energy.h"
 #include "sim/unit_report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/load_config.h"

@@ -23,8 +23,8 @@
 #include "tools/host/paths.h"
 #include "tools/pricing/reported_units.h"
 #include "tools/run/frame/frame_rate.h"
-#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/table_warnings.h"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sim/report/energy.h"
-#include "sim/report/energy_table.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/load_config.h"

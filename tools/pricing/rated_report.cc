@@ -11,7 +11,7 @@
 #include "tools/analysis/report_file.h"
 #include "tools/pricing/priced_run.h"
 #include "tools/pricing/reported_units.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 

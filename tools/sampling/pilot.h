@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/cache.h"
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/programs/full.h"
 #include "tools/run/frame/run_job.h"

@@ -20,7 +20,6 @@
 #include "tools/analysis/units.h"
 #include "tools/host/parallel.h"
 #include "tools/run/frame/machine_run.h"
-#include "tools/run/frame/warm_start.h"
 #include "tools/sampling/pilot.h"
 #include "traces/accel/bvh_tracer.h"
 

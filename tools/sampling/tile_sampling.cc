@@ -22,7 +22,6 @@
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/trace_header.h"
-#include "tools/run/frame/warm_start.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/timed_tiles.h"
 #include "traces/accel/bvh_tracer.h"

@@ -4,7 +4,7 @@
 
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
-#include "shader_kernels/programs/adaptive/sample_tiles.h"
+#include "shader_kernels/programs/adaptive/block_tile.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"

@@ -7,7 +7,6 @@
 
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/block_tile.h"
-#include "shader_kernels/programs/adaptive/sample_tiles.h"
 #include "shader_kernels/programs/wavefront/sampling.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
 

@@ -1,11 +1,10 @@
-#include "hw_models/dram/bank_lanes.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include "hw_models/dram/dram_device.h"
 #include "sim/hash.h"
 #include "tests/param_name.h"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_scheduler.h"
+#include "hw_models/dram/dram_channel.h"
 
 namespace hw {
 namespace {

@@ -1,6 +1,6 @@
-#include "hw_models/dram/dram_queue.h"
-
 #include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_channel.h"
 
 namespace hw {
 namespace {

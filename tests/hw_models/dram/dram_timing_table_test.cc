@@ -1,8 +1,8 @@
-#include "hw_models/dram/dram_timing_table.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_device.h"
 
 // Compares the timing table of LPDDR4-3200 (DramConfig's defaults) with values computed by hand from the grade's
 // parameters. A line of 64 bytes is two bursts of 8 cycles (tCCD 8); RL 28, WL 14, tDQSCK 3, tDQSS 1.

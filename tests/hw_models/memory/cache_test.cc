@@ -1,3 +1,5 @@
+#include "hw_models/memory/cache.h"
+
 #include <list>
 #include <string>
 #include <unordered_map>
@@ -6,9 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/cache_tags.h"
 #include "hw_models/memory/l2_bank.h"
-#include "hw_models/memory/mshr_file.h"
 #include "sim/hash.h"
 
 namespace hw {

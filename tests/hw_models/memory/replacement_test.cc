@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/cache.h"
 #include "sim/hash.h"
 
 namespace hw {

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule.h"
 #include "tests/hw_models/srp/graph_builder.h"
 

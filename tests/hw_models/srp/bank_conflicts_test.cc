@@ -1,5 +1,3 @@
-#include "hw_models/srp/bank_conflicts.h"
-
 #include <gtest/gtest.h>
 
 #include "hw_models/srp/schedule.h"

@@ -8,7 +8,6 @@
 #include "../folder.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
-#include "sim/report/energy_table.h"
 #include "sim/report/report_json.h"
 
 namespace sim::test {

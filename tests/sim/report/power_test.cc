@@ -1,5 +1,3 @@
-#include "sim/report/power.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>

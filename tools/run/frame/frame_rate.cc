@@ -11,7 +11,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/power.h"
+#include "sim/report/energy.h"
 #include "sim/time.h"
 #include "tools/run/frame/power.h"
 

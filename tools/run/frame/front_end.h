@@ -11,8 +11,6 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
-#include "sim/intervals.h"
-#include "sim/unit_report.h"
 #include "tools/host/progress.h"
 #include "traces/ray.h"
 

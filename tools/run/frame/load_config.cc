@@ -19,7 +19,7 @@
 #include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "sim/report/energy_table.h"
+#include "sim/report/energy.h"
 #include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
 #include "tools/run/frame/power.h"

@@ -1,9 +1,12 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shader_kernels/programs/programs.h"
@@ -14,16 +17,54 @@
 #include "sim/named.h"
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
-#include "sim/report/power.h"
 #include "sim/report/thermal.h"
 #include "sim/unit_report.h"
-#include "tools/run/frame/frame_config.h"
 #include "tools/run/frame/job_options.h"
-#include "tools/run/frame/machine_config.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/scenes/workload.h"
 
+namespace hw {
+struct GpuConfig;
+}
+
 namespace tools {
+
+/// A machine's configuration on the heap, so that headers need only the declaration of hw::GpuConfig.
+class MachineConfig {
+ public:
+  MachineConfig();
+  MachineConfig(const MachineConfig& other);
+  MachineConfig& operator=(const MachineConfig& other);
+  ~MachineConfig();
+
+  hw::GpuConfig& operator*() { return *config_; }
+  const hw::GpuConfig& operator*() const { return *config_; }
+  hw::GpuConfig* operator->() { return config_.get(); }
+  const hw::GpuConfig* operator->() const { return config_.get(); }
+
+ private:
+  std::unique_ptr<hw::GpuConfig> config_;  ///< never null
+};
+
+/// State of the caches at the start of a frame.
+enum class FrameStart : std::uint8_t {
+  kCold,  ///< caches are empty
+  kWarm,  ///< caches are as the previous frame left them
+};
+constexpr std::array<std::string_view, 2> names_of(FrameStart) { return {"cold", "warm"}; }
+
+/// Settings of a frame as part of a sequence: start state of the caches, and target frame rate.
+struct FrameConfig {
+  FrameStart start = FrameStart::kCold;
+  double fps = 0;
+
+  static void describe(auto& c, auto&& field) {
+    field(NAMED(c.start), "", "caches at the start of a frame: empty, or as the previous frame left them", sim::any(),
+          sim::Affects::kTiming);
+    field(NAMED(c.fps), "frames/s", "target frame rate of power_at_fps_w and fps_margin; 0: none",
+          sim::between(0, 100000), sim::Affects::kEnergy);
+  }
+};
 
 struct RunConfig;
 

@@ -5,10 +5,27 @@
 #include <vector>
 
 #include "hw_models/machines/gpu.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "sim/unit_report.h"
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/run_job.h"
+#include "traces/ray.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
+
+/// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
+/// their energy events. `rasterises`: the machine has rasterisers.
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises = false);
+
+/// Warms the caches of a machine, before its first cycle, with the last tiles of `frame`, as if it were the previous
+/// frame. A frame of several passes is executed as a whole and must not have been executed before. `workers`: threads
+/// in addition to the caller's. Throws Interrupted.
+void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const traces::Tracer& tracer,
+                          std::uint32_t workers);
 
 /// Builds the machine that `inputs.config` describes.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,

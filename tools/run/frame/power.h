@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "sim/report/energy.h"
-#include "sim/report/power.h"
 #include "tools/run/frame/load_config.h"
 
 namespace hw {

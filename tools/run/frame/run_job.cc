@@ -16,7 +16,6 @@
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
-#include "tools/run/frame/warm_start.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"

@@ -13,7 +13,6 @@
 #include "sim/report/table.h"
 #include "tools/run/frame/frame_rate.h"
 #include "tools/run/frame/power.h"
-#include "tools/run/frame/thermal_governor.h"
 
 namespace tools {
 namespace {

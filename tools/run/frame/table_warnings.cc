@@ -10,7 +10,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/io/printable.h"
 #include "sim/report/table_checks.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 
 namespace tools {

@@ -18,11 +18,11 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "sim/report/energy_table.h"
+#include "sim/report/energy.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/priced_run.h"
-#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/machine_run.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {

@@ -11,7 +11,7 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "hw_models/machines/gpu.h"
 #include "hw_models/machines/memory_system.h"
-#include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/cache.h"
 #include "sim/engine.h"
 #include "sim/link.h"
 #include "sim/report/table.h"

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "hw_models/machines/gpu_config.h"
-#include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/schedule_graph.h"
 #include "shader_kernels/catalogue.h"

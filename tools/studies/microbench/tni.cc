@@ -9,7 +9,7 @@
 #include "hw_models/machines/ray_machine.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
-#include "sim/report/energy_table.h"
+#include "sim/report/energy.h"
 #include "tools/analysis/units.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/studies/microbench/benchmark.h"

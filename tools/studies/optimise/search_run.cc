@@ -12,7 +12,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/area.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/studies/optimise/probe.h"
 #include "tools/studies/sweep/spec/condition.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "hw_models/machines/gpu_config.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/run/frame/table_warnings.h"

@@ -10,7 +10,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 
 // Tests of the power at a target frame rate, against closed forms.

@@ -7,8 +7,8 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/config/value.h"
 #include "sim/error.h"
-#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 namespace {

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/run/frame/thermal_governor.h"
-
 // Tests of sustained runs over minutes, on frames made by hand.
 
 namespace tools {

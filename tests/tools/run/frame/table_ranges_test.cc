@@ -12,8 +12,8 @@
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/hash.h"
-#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/table_warnings.h"
 

@@ -1,5 +1,3 @@
-#include "tools/run/frame/warm_start.h"
-
 #include <cmath>
 #include <string>
 
@@ -7,6 +5,7 @@
 
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/temp_folder.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/trace_header.h"
 #include "tools/run/run.h"
 #include "tools/run/stored_frames.h"

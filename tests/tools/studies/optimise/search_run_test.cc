@@ -11,7 +11,7 @@
 #include "sim/io/file.h"
 #include "sim/report/area.h"
 #include "tests/tools/program.h"
-#include "tools/run/frame/idle_machine.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/studies/optimise/answer.h"
 #include "tools/studies/optimise/trade.h"
 

@@ -1,4 +1,4 @@
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/cache.h"
 
 namespace hw {
 
