@@ -24,6 +24,7 @@ TEST(DataCache, ATriangleOf36BytesIsItsVerticesAndItsLabel) {
   layout.triangle_bytes = 36;
   layout.triangles = 1024;
   layout.labels = 4096;
+  layout.separate_labels = true;
   EXPECT_EQ(lines(0, layout), (std::vector<Addr>{1024, 4096}));
   EXPECT_EQ(lines(3, layout), (std::vector<Addr>{1088, 1152, 4096})) << "vertices 108 to 143";
   EXPECT_EQ(lines(5, layout), (std::vector<Addr>{1152, 1216, 4096, 4160})) << "vertices 180 to 215, label 60 to 71";
