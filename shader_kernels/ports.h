@@ -36,7 +36,7 @@ template <class V>
 struct Counter;
 /// A port for a loop-carried value, which each item of a kernel passes to the next item.
 template <class V>
-struct Carried;
+struct LoopCarried;
 
 /// Copies record `index` from raw memory, whatever C++ type was stored there.
 template <template <class> class R>
@@ -129,7 +129,7 @@ struct Counter<float> {
 };
 
 template <>
-struct Carried<float> {
+struct LoopCarried<float> {
   float value = 0;
   float get() const { return value; }
   void set(float x) { value = x; }

@@ -209,7 +209,7 @@ struct Counter<Recorded> : RecordedPort {
 };
 
 template <>
-struct Carried<Recorded> : RecordedPort {
+struct LoopCarried<Recorded> : RecordedPort {
   std::uint32_t node = GraphNode::kNone;
   FloatNode get() {
     node = recorder->add_carried(name);

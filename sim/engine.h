@@ -42,7 +42,7 @@ class Watchdog {
  public:
   explicit Watchdog(Owner& owner) : owner_(owner) {
     if constexpr (HasLivelockTimeout<Owner>) progress_due_at_ = livelock_timeout_ = owner.livelock_timeout();
-    next_check_at_ = std::min(progress_due_at_, owner_.machine().next_boundary());
+    next_check_at_ = std::min(progress_due_at_, owner_.machine().next_interval_boundary());
   }
   /// Performs the checks that are due by `now`, the next wake-up time of any unit. All units must have finished the
   /// work before `now`. Throws Deadlock if no item has been retired for livelock_timeout().
@@ -51,14 +51,14 @@ class Watchdog {
   }
   /// Returns the next interval boundary, at which all counters are sampled. No partition may run beyond the boundary
   /// before all have reached it.
-  Time next_boundary() const { return owner_.machine().next_boundary(); }
+  Time next_interval_boundary() const { return owner_.machine().next_interval_boundary(); }
 
  private:
   void run_checks(Time now) {
     Machine& machine = owner_.machine();
-    if (now >= machine.next_boundary()) machine.sample_intervals_until(now);
+    if (now >= machine.next_interval_boundary()) machine.sample_intervals_until(now);
     if (now >= progress_due_at_) check_progress(now);
-    next_check_at_ = std::min(progress_due_at_, machine.next_boundary());
+    next_check_at_ = std::min(progress_due_at_, machine.next_interval_boundary());
   }
   void check_progress(Time now) {
     Machine& machine = owner_.machine();
@@ -82,7 +82,8 @@ class Watchdog {
 /// Runs the inner partition of a machine, without the other partitions, up to its limit. Returns its next wake-up time.
 /// `others_reached`: time that the other partitions have reached. `end`: limit of the run.
 template <class TickAt>
-Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end, TickAt&& tick_at) {
+Time run_inner_partition(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end,
+                         TickAt&& tick_at) {
   Time at = wakeups.earliest_time(inner.units);
   for (; at < run_limit(inner, others_reached, end); at = wakeups.earliest_time(inner.units)) {
     wakeups.tick_due(inner.units, at, tick_at(at));
@@ -94,7 +95,8 @@ Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached
 /// The partition's cluster runs by itself while no other unit is due. `inner_reached`: time that the inner partition
 /// has reached.
 template <class TickAt>
-Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reached, Time end, TickAt&& tick_at) {
+Time run_outer_partition(WakeupTable& wakeups, const Partition& partition, Time inner_reached, Time end,
+                         TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
   const auto clustered_units = wakeups.group_minima(cluster.units), other_units = wakeups.group_minima(partition.units);
   const ClusterTurn turn{
@@ -122,17 +124,17 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     RunLimits reach = owner.run_limits(now);
     if (reach.end <= now) return now;
     watchdog.run_due_checks(now);
-    reach.end = std::min(reach.end, watchdog.next_boundary());
-    const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
+    reach.end = std::min(reach.end, watchdog.next_interval_boundary());
+    const Time next = run_inner_partition(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
     // Time that the inner partition has reached. While one of its links is nearly full, a pop could wake the partition
     // at once, so it counts as being at `now`.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
     Time reached = reach.end;  // time reached by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
-      reached = std::min(reached, run_outer(wakeups, partition, led, reach.end, tick_at));
+      reached = std::min(reached, run_outer_partition(wakeups, partition, led, reach.end, tick_at));
     }
-    run_inner(wakeups, partitions.inner, reached, reached, tick_at);
+    run_inner_partition(wakeups, partitions.inner, reached, reached, tick_at);
   }
 }
 

@@ -22,7 +22,7 @@ std::uint64_t* Intervals::add_next_row() {
 }
 
 std::uint64_t* Intervals::add_last_row(Time end) {
-  assert(end > rows_ * length_ && end <= next_boundary());
+  assert(end > rows_ * length_ && end <= next_interval_boundary());
   end_ = end;
   return add_row();
 }

@@ -29,7 +29,7 @@ class Intervals {
 
   // Functions with which a machine records its intervals.
   void allocate_rows(std::size_t values_per_row);
-  Time next_boundary() const { return (rows_ + 1) * length_; }
+  Time next_interval_boundary() const { return (rows_ + 1) * length_; }
   /// Adds a row of counters for the next interval boundary. The caller fills the row.
   std::uint64_t* add_next_row();
   /// Adds a row of counters for the end of the run. The caller fills the row.

@@ -72,7 +72,7 @@ class Link {
 
   /// Makes the link keep `*pop_at` equal to its pop_at(). When an item enters the empty link, the link also lowers
   /// `*soonest` to the time from which that item can be popped.
-  void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
+  void store_pop_time_in(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
     if (soonest == nullptr) return;
@@ -188,7 +188,7 @@ class Inputs {
     assert(links_.size() <= 64);
     for (std::size_t i = 0; i < links_.size(); ++i) {
       links_[i]->bind_occupancy_bit(&nonempty_mask_, static_cast<unsigned>(i));
-      links_[i]->mirror_pop_time(&pop_at_[i]);
+      links_[i]->store_pop_time_in(&pop_at_[i]);
     }
   }
   Inputs(const Inputs&) = delete;

@@ -48,11 +48,11 @@ void Machine::record_intervals(Intervals& intervals) {
   for (const UnitReport& unit : report()) width += unit.cycles_by_reason.size() + unit.counters.size();
   intervals.allocate_rows(width);
   intervals_ = &intervals;
-  next_boundary_ = intervals.next_boundary();
+  next_boundary_ = intervals.next_interval_boundary();
 }
 
 void Machine::sample_intervals_until(Time now) {
-  for (; next_boundary_ <= now; next_boundary_ = intervals_->next_boundary()) {
+  for (; next_boundary_ <= now; next_boundary_ = intervals_->next_interval_boundary()) {
     account_until(next_boundary_);
     write_counter_values(intervals_->add_next_row());
   }

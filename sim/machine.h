@@ -332,7 +332,7 @@ class Machine {
   Time min_lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
   /// Returns the next interval boundary, where all units must be sampled; kNever if no intervals are recorded.
-  Time next_boundary() const { return next_boundary_; }
+  Time next_interval_boundary() const { return next_boundary_; }
   /// Samples the counters at all interval boundaries up to `now`. All units must have finished the work before `now`
   /// and none after it.
   void sample_intervals_until(Time now);

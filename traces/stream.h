@@ -55,10 +55,10 @@ inline constexpr std::uint32_t kPixelBytes = 4;
 
 /// Sizes of the rasteriser's arrays in memory: scene vertices, transformed vertices, vertex numbers of each triangle,
 /// and the triangle lists of all screen regions.
-struct RasterDemands {
+struct RasterArraySizes {
   std::uint32_t vertices = 0, triangles = 0;
   std::uint32_t entries = 0;  ///< number of entries of all triangle lists together
-  friend bool operator==(const RasterDemands&, const RasterDemands&) = default;
+  friend bool operator==(const RasterArraySizes&, const RasterArraySizes&) = default;
 };
 
 /// Memory that a machine must set aside for a frame.
@@ -68,7 +68,7 @@ struct FrameRequirements {
   std::uint32_t attribute_bytes = 0;  ///< bytes in the tile buffer of a full tile's samples, without colours
   std::uint32_t pass_attribute_bytes = 0;  ///< `attribute_bytes` of later passes; 0: as in the first pass
   std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
-  std::optional<RasterDemands> raster{};  ///< present if the frame needs a rasteriser
+  std::optional<RasterArraySizes> raster{};  ///< present if the frame needs a rasteriser
   friend bool operator==(const FrameRequirements&, const FrameRequirements&) = default;
 };
 

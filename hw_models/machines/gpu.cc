@@ -100,8 +100,8 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   // The L2 receives writes only of rays and hits without a direct interface, and of a rasteriser's geometry pass.
   const bool writes = !config.direct_interface.enabled || workload.needs.raster;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
-  if (keeps_writes) links.to_l2 = memory_.link_flushes(dispatcher_id_);
-  for (sim::Link<Flush>* end : memory_.add_background(dispatcher_id_)) links.to_l2.push_back(end);
+  if (keeps_writes) links.to_l2 = memory_.create_flush_links(dispatcher_id_);
+  for (sim::Link<Flush>* end : memory_.add_background_sources(dispatcher_id_)) links.to_l2.push_back(end);
   dispatcher_ =
       &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_, perturbation.starts);
   for (std::uint32_t c = 0; c < config.cores; ++c) build_core(c, workload);

@@ -77,7 +77,7 @@ void MemorySystem::link_slices_to_channels() {
   }
 }
 
-std::vector<sim::Link<Flush>*> MemorySystem::add_background(sim::UnitId from) {
+std::vector<sim::Link<Flush>*> MemorySystem::add_background_sources(sim::UnitId from) {
   std::vector<sim::Link<Flush>*> ends;
   if (config_.background.rate == 0) return ends;
   const sim::Clock clock(config_.dram.timing.ck.time);
@@ -95,7 +95,7 @@ std::vector<sim::Link<Flush>*> MemorySystem::add_background(sim::UnitId from) {
   return ends;
 }
 
-void MemorySystem::build_background() {
+void MemorySystem::build_background_sources() {
   const DramConfig& dram = config_.dram;
   const std::uint64_t bytes =
       std::uint64_t{dram.organisation.all_banks()} * dram.organisation.rows * dram.organisation.page.bytes;
@@ -178,7 +178,7 @@ MemoryPort MemorySystem::add_dma_client(std::uint32_t core, sim::UnitId dma) {
   return add_client(dma_ports_[core], {dma, config_.dma.depth, RequesterKind::kTransfers}, config_.dma.depth);
 }
 
-std::vector<sim::Link<Flush>*> MemorySystem::link_flushes(sim::UnitId from) {
+std::vector<sim::Link<Flush>*> MemorySystem::create_flush_links(sim::UnitId from) {
   std::vector<sim::Link<Flush>*> all;
   for (Bank& bank : declared_banks_) all.push_back(bank.links.flush_in = &machine_.link<Flush>(1, 1, from, bank.unit));
   return all;
@@ -209,7 +209,7 @@ void MemorySystem::build_banks_and_channels() {
         declared_slices_[k].unit, config_.slc.slice_config(config_.dram.channels), static_cast<std::uint16_t>(k),
         declared_slices_[k].links, Interleave(config_.dram.line.bytes, 1), clock_, config_.interconnect.arbitration));
   }
-  build_background();
+  build_background_sources();
   for (Channel& channel : declared_channels_) {
     channel.links.observer = observer_;
     channels_.push_back(

@@ -42,11 +42,11 @@ class MemorySystem {
   /// Links a core's DMA engine to the core's DMA port and returns the links. The request link holds dma.depth requests.
   MemoryPort add_dma_client(std::uint32_t core, sim::UnitId dma);
   /// Creates one link from the unit `from` to each L2 bank, for Flush messages. Returns the links.
-  std::vector<sim::Link<Flush>*> link_flushes(sim::UnitId from);
+  std::vector<sim::Link<Flush>*> create_flush_links(sim::UnitId from);
 
   /// If background.rate is above 0, adds a source of background traffic to each DRAM channel. Returns one link from the
   /// unit `from` to each source; a Flush message stops the source.
-  std::vector<sim::Link<Flush>*> add_background(sim::UnitId from);
+  std::vector<sim::Link<Flush>*> add_background_sources(sim::UnitId from);
 
   /// Builds the ports of a core and returns its cache port.
   CorePort& build_ports(std::uint32_t core);
@@ -80,7 +80,7 @@ class MemorySystem {
   bool has_slices() const { return !declared_slices_.empty(); }
   void link_to_memory(Bank& bank);
   void link_slices_to_channels();
-  void build_background();
+  void build_background_sources();
   void link_to_banks(Port& cache);
   void link_to_channels(Port& dma);
   MemoryPort add_client(Port& port, const MemoryClient& client, std::uint32_t request_depth);

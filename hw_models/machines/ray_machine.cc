@@ -11,7 +11,7 @@
 namespace hw {
 
 CoreRays::CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer,
-                   std::uint32_t core, std::uint32_t cores, Finished finished)
+                   std::uint32_t core, std::uint32_t cores, BlockCallback finished)
     : rays_(rays),
       kind_(kind),
       tracer_(tracer),
@@ -64,7 +64,7 @@ void CoreRays::record_return_time(std::uint32_t ray, sim::Time now) {
 
 RayMachine::RayMachine(const GpuConfig& config, const traces::MemoryImage& image,
                        std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays, traces::RayKind kind,
-                       Watch watch)
+                       ProgressCallback watch)
     : config_(config),
       clock_(config.clocks.tni.clock()),
       tracer_(image),

@@ -77,10 +77,10 @@ class CoreRays {
   static constexpr std::uint32_t kBlock = 64;
   /// Callback for each finished block of rays, with the block's number of rays. If the callback returns false, the core
   /// starts no further block.
-  using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
+  using BlockCallback = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
   CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer, std::uint32_t core,
-           std::uint32_t core_count, Finished finished);
+           std::uint32_t core_count, BlockCallback finished);
 
   std::uint32_t ray_count() const { return count_; }
   const std::uint32_t* ray_walk(std::uint32_t ray);
@@ -100,7 +100,7 @@ class CoreRays {
   const traces::RayKind kind_;
   const traces::Tracer& tracer_;
   const std::uint32_t core_, cores_;
-  const Finished finished_;
+  const BlockCallback finished_;
   std::uint32_t count_ = 0;
   std::uint32_t first_ = 0;  ///< number of the block at the front of `blocks_`
   std::deque<Block> blocks_;
@@ -122,12 +122,12 @@ class RayMachine {
  public:
   /// Callback for each finished block of rays. If the callback returns false, only the blocks already started are
   /// finished.
-  using Watch = std::function<bool(const RayProgress& so_far)>;
+  using ProgressCallback = std::function<bool(const RayProgress& so_far)>;
 
   /// `parents`: parent node of each node of the image's BVH. `kind`: shadow rays end at their first hit. All arguments
   /// must outlive the machine.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
-             std::span<const traces::Ray> rays, traces::RayKind kind, Watch watch);
+             std::span<const traces::Ray> rays, traces::RayKind kind, ProgressCallback watch);
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
@@ -157,7 +157,7 @@ class RayMachine {
   const GpuConfig config_;
   const sim::Clock clock_;
   const traces::BvhTracer tracer_;
-  const Watch watch_;
+  const ProgressCallback watch_;
   RayProgress done_;
   sim::Machine machine_;
   MemorySystem memory_;

@@ -32,7 +32,7 @@ class CacheTags {
  public:
   static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
   /// Result of filling a cache line: its slot and, if `evicts`, the line that was evicted.
-  struct Filled {
+  struct FilledLine {
     std::size_t slot = 0;
     bool evicts = false;
     Addr evicted = 0;
@@ -83,7 +83,7 @@ class CacheTags {
   void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
   /// Puts a line into an empty way of its set or, if there is none, in place of the victim of the replacement policy.
-  Filled fill_line(Addr line) {
+  FilledLine fill_line(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find_way(set, tag_of(line));
     const std::uint32_t way = found != kNoWay ? found : choose_victim(set, tag_of(line));

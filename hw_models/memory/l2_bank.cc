@@ -144,8 +144,8 @@ inline bool L2Bank::take_request(sim::Time now) {
 inline bool L2Bank::process_read(sim::Time now) {
   if (!hits_.can_push(now)) return false;
   const MemRequest& r = head_.request;
-  const L2Store::Found found = store_.look_up(r.line, r.sectors);
-  if (found == L2Store::Found::kAll) {
+  const L2Store::LookupResult found = store_.look_up(r.line, r.sectors);
+  if (found == L2Store::LookupResult::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core, head_.arrived});
     if (observer_ != nullptr) [[unlikely]]
       notify(*observer_, L2LookedUp{r.tile, true, now});
@@ -162,7 +162,7 @@ inline bool L2Bank::process_read(sim::Time now) {
       waiters->count = 0;
       waiters->dirty = 0;
       waiters->tile = r.tile;
-      if (found == L2Store::Found::kPart) waiters->dirty = store_.invalidate_line(r.line);
+      if (found == L2Store::LookupResult::kPart) waiters->dirty = store_.invalidate_line(r.line);
       queue_to_memory(now, MemRequest{r.line, index_, 0, false, kWholeLine, r.tile});
     } else {
       stats_.merges += 1;
@@ -225,7 +225,7 @@ bool L2Bank::process_write(sim::Time now) {
   if (writes_ == L2Writes::kBack) {
     store_write(now);
   } else {
-    const bool here = store_.look_up(r.line, r.sectors) != L2Store::Found::kNot;
+    const bool here = store_.look_up(r.line, r.sectors) != L2Store::LookupResult::kNot;
     const bool stored = here && writes_ == L2Writes::kThrough;
     if (here && !stored) store_.invalidate_line(r.line);
     stats_.write_hits += here;
@@ -248,7 +248,7 @@ void L2Bank::store_write(sim::Time now) {
   if (Waiters* waiters = misses_.find_payload(r.line)) {
     overwritten = waiters->dirty & r.sectors;
     waiters->dirty |= r.sectors;
-  } else if (store_.look_up(r.line, r.sectors) != L2Store::Found::kNot) {
+  } else if (store_.look_up(r.line, r.sectors) != L2Store::LookupResult::kNot) {
     overwritten = store_.write_sectors(r.line, r.sectors);
   } else {
     hit = false;

@@ -22,7 +22,7 @@ namespace hw {
 /// without a fetch, so some sectors may be invalid. Dirty sectors are always valid.
 class L2Store {
  public:
-  enum class Found : std::uint8_t { kNot, kPart, kAll };
+  enum class LookupResult : std::uint8_t { kNot, kPart, kAll };
   /// A line evicted from the L2. `sectors`: its dirty sectors, which must be written to memory.
   struct Victim {
     Addr line = 0;
@@ -34,10 +34,10 @@ class L2Store {
 
   /// Looks up a line in the L2 bank. Returns kNot if the line is not cached, kPart if some of the wanted sectors are
   /// invalid, kAll if all are valid.
-  Found look_up(Addr line, SectorMask wanted_sectors) {
+  LookupResult look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
-    if (slot == CacheTags::kNoSlot) return Found::kNot;
-    return (wanted_sectors & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
+    if (slot == CacheTags::kNoSlot) return LookupResult::kNot;
+    return (wanted_sectors & ~valid_[slot]) == 0 ? LookupResult::kAll : LookupResult::kPart;
   }
 
   /// Removes a line, which must be cached, from the L2 bank and returns the line's dirty sectors.
@@ -58,7 +58,7 @@ class L2Store {
 
   /// Adds a line that is not cached, with the given valid and dirty sectors. Returns the evicted line.
   Victim allocate(Addr line, SectorMask valid_sectors, SectorMask dirty_sectors) {
-    const CacheTags::Filled filled = tags_.fill_line(line);
+    const CacheTags::FilledLine filled = tags_.fill_line(line);
     const Victim victim{filled.evicted, clean_slot(filled.slot)};
     valid_[filled.slot] = valid_sectors;
     mark_dirty(filled.slot, dirty_sectors);
@@ -191,7 +191,7 @@ class L2Bank {
   /// Puts a line into the L2 bank without taking simulated time. Dirty sectors of the evicted line are lost. Returns
   /// true if the line was already cached.
   bool warm_line(Addr line) {
-    if (store_.look_up(line, 0) != L2Store::Found::kNot) return true;
+    if (store_.look_up(line, 0) != L2Store::LookupResult::kNot) return true;
     store_.allocate(line, kWholeLine, 0);
     return false;
   }
@@ -223,7 +223,7 @@ class L2Bank {
     sim::Time arrived = 0;
   };
   /// The line that was filled last into the L2 bank. The requests that waited for it are answered one per cycle.
-  struct Filled {
+  struct FilledLine {
     Addr line = 0;
     std::uint32_t next = 0,
                   count = 0;  ///< index of the next waiting request to answer, and number of all waiting requests
@@ -279,7 +279,7 @@ class L2Bank {
   std::uint32_t unsent_capacity_;
   sim::Link<MemRequest> unsent_;
   Head head_;
-  Filled filled_;
+  FilledLine filled_;
   Arbiter cores_;
   Arbiter channels_turn_;
   bool flushing_ = false;

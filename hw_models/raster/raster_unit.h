@@ -30,7 +30,7 @@ struct RasterMemory {
   Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
 
   RasterMemory() = default;
-  RasterMemory(Addr base, const traces::RasterDemands& demands) : positions(base) {
+  RasterMemory(Addr base, const traces::RasterArraySizes& demands) : positions(base) {
     indices = round_up_to_lines(positions + Addr{demands.vertices} * kPositionBytes);
     transformed = round_up_to_lines(indices + Addr{demands.triangles} * kIndexBytes);
     lists = round_up_to_lines(transformed + Addr{demands.vertices} * kTransformedBytes);

@@ -67,7 +67,7 @@ class LoopChunks {
   }
 
   std::uint32_t item_count() const { return items_; }
-  std::uint32_t working_count() const { return working_; }
+  std::uint32_t non_idle_count() const { return working_; }
   std::size_t size() const { return chunks_.size(); }
   auto begin() const { return chunks_.begin(); }
   auto end() const { return chunks_.end(); }

@@ -24,10 +24,10 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).max_tiles()),
       launch_{.config_memory = ConfigMemory(config.config_memory.bytes, frame.kernels.size())},
       kernel_use_(frame.kernels.size()) {
-  links_.tiles_in.mirror_pop_time(&arrivals_.tiles);
-  links_.hits_in.mirror_pop_time(&arrivals_.hits);
-  links_.memory_in.mirror_pop_time(&arrivals_.lines);
-  links_.dma_in.mirror_pop_time(&arrivals_.transfers);
+  links_.tiles_in.store_pop_time_in(&arrivals_.tiles);
+  links_.hits_in.store_pop_time_in(&arrivals_.hits);
+  links_.memory_in.store_pop_time_in(&arrivals_.lines);
+  links_.dma_in.store_pop_time_in(&arrivals_.transfers);
   loads_.lines_missing.resize(kMostLoadCycles);
   rays_.feeds.reserve(64);
   loop_.chunks.reserve(64);
@@ -381,7 +381,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   loads_.lines_of_item = kNoItem;
   add_chunk(tile, node);
   if (config_.merge) join_ready_launches(work);
-  const std::uint32_t items = loop_.chunks.item_count(), working = loop_.chunks.working_count();
+  const std::uint32_t items = loop_.chunks.item_count(), working = loop_.chunks.non_idle_count();
   const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
   const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].stall_cycles(items) : 0;
   const sim::Time configured = clock_.edge_after(now, switch_to_kernel(work.kernel));
@@ -419,7 +419,7 @@ std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
 void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const std::uint32_t first = run.done_items(node), items = run.next_chunk_size(node);
-  loop_.chunks.add({tile, node, first, items, run.working_items(node, first, items)});
+  loop_.chunks.add({tile, node, first, items, run.non_idle_items(node, first, items)});
   const std::uint64_t spilled = buffer_.allocate_slots(run.count_produced_rays(node, first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});

@@ -91,8 +91,8 @@ struct SrpStats {
     config_rows_loaded += is_resident ? 0 : config_rows;
   }
 
-  /// Counts the events of a loop of `item_count` items of a kernel. Items from `working_count` on are idle.
-  void add_loop(const KernelSchedule& kernel, std::uint64_t item_count, std::uint64_t working_count) {
+  /// Counts the events of a loop of `item_count` items of a kernel. Items from `non_idle_count` on are idle.
+  void add_loop(const KernelSchedule& kernel, std::uint64_t item_count, std::uint64_t non_idle_count) {
     const auto ops = [&](OpClass c) { return item_count * kernel.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
     items += item_count;
@@ -109,7 +109,7 @@ struct SrpStats {
     rf_reads += item_count * kernel.rf_reads;
     rf_writes += item_count * kernel.rf_writes;
     route_hops += item_count * kernel.route_hops;
-    queued_loads += working_count * kernel.queued_loads;
+    queued_loads += non_idle_count * kernel.queued_loads;
     config_reads += (kernel.depth + (item_count - 1) * kernel.ii) *
                     (kernel.config_reads / kernel.ii);  // also during prologue and drain
   }

@@ -116,7 +116,7 @@ std::uint32_t TileRun::count_produced_rays(std::uint32_t launch, std::uint32_t f
   for (const std::uint32_t batch : batches_of(launch)) {
     const WorkNode& w = node(batch);
     if (w.sources == WorkNode::kNone) {
-      rays += working_items(launch, first, items);
+      rays += non_idle_items(launch, first, items);
       continue;
     }
     const auto begin = work_->sources.begin() + w.sources;

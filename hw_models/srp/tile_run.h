@@ -87,7 +87,7 @@ class TileRun {
   }
   /// Returns the number of items among `first` to `first + items - 1` of a launch that are not idle. Idle items follow
   /// the launch's last real item.
-  std::uint32_t working_items(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
+  std::uint32_t non_idle_items(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(launch).items) - std::min(first, node(launch).items);
   }
   /// Returns the number of rays that items `first` to `first + items - 1` of a launch produce, over all its batches.

@@ -30,7 +30,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(first_slots_mask(config.leaves)) {
-  memory_in_.mirror_pop_time(&line_at_);
+  memory_in_.store_pop_time_in(&line_at_);
 }
 
 inline bool Ist::fill_arrived_line(const Cycle& cycle) {

@@ -37,9 +37,9 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       config_(config),
       begins_(config.rays),
       paths_(config.rays) {
-  links_.rays_in.mirror_pop_time(&arrivals_.rays, &arrivals_.soonest);
-  links_.leaves_in.mirror_pop_time(&arrivals_.answers, &arrivals_.soonest);
-  links_.memory_in.mirror_pop_time(&arrivals_.lines, &arrivals_.soonest);
+  links_.rays_in.store_pop_time_in(&arrivals_.rays, &arrivals_.soonest);
+  links_.leaves_in.store_pop_time_in(&arrivals_.answers, &arrivals_.soonest);
+  links_.memory_in.store_pop_time_in(&arrivals_.lines, &arrivals_.soonest);
   far_nodes_.reserve(config.rays);
   entries_.reserve(kUsualStackDepth);
 }

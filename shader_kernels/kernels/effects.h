@@ -350,7 +350,8 @@ struct UpsampleEffects {
     M<V> inside;
   };
   template <class V>
-  static Step<V> step_within(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
+  static Step<V> step_inside_picture(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low,
+                                     const F<V>& high) {
     const F<V> to = from + by;
     const M<V> inside = logical_and(low <= to, to <= high);
     return {select(inside, samples, F<V>(0.0F)), inside};
@@ -367,11 +368,12 @@ struct UpsampleEffects {
       left = -right;
       above = -below;
     }
-    const std::array<Step<V>, 2> columns{step_within<V>(pixel.remainder, left, left, tile.low_x, tile.high_x),
-                                         step_within<V>(pixel.remainder, right, right, tile.low_x, tile.high_x)};
+    const std::array<Step<V>, 2> columns{
+        step_inside_picture<V>(pixel.remainder, left, left, tile.low_x, tile.high_x),
+        step_inside_picture<V>(pixel.remainder, right, right, tile.low_x, tile.high_x)};
     const std::array<Step<V>, 2> rows{
-        step_within<V>(pixel.quotient, above, above * tile.pitch, tile.low_y, tile.high_y),
-        step_within<V>(pixel.quotient, below, below * tile.pitch, tile.low_y, tile.high_y)};
+        step_inside_picture<V>(pixel.quotient, above, above * tile.pitch, tile.low_y, tile.high_y),
+        step_inside_picture<V>(pixel.quotient, below, below * tile.pitch, tile.low_y, tile.high_y)};
     RatioRecord<V> sum{{0.0F, 0.0F, 0.0F}, 0.0F};
     for (std::uint32_t tap = 0; tap < 4; ++tap) {
       const Step<V>& column = columns[tap % 2];

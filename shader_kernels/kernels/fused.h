@@ -22,35 +22,35 @@ namespace kernels {
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_surface", "fetch_surface_instanced", "fetch_surface_cones", "fetch_surface_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
 
 /// Parts of fused kernels that classify and light a surface whose texture details have been applied.
 template <class... Record>
-using Lit =
+using LightParts =
     Fused<ClassifySurfaces, ListDeferred, LightImmediately<ShadeAmbient>, LightImmediately<ShadeDiffuse>, Record...>;
 
-struct LightSurface : Lit<> {
+struct LightSurface : LightParts<> {
   static constexpr std::string_view kName = "light_surface";
   static constexpr std::string_view kMeaning = "classify_surfaces, shade_ambient, shade_diffuse of the first light";
 };
 
 template <bool kInstanced>
-struct LightSurfaceGeometry : Lit<RecordGeometry<kInstanced>> {
+struct LightSurfaceGeometry : LightParts<RecordGeometry<kInstanced>> {
   static constexpr std::string_view kName = kInstanced ? "light_surface_geometry_instanced" : "light_surface_geometry";
   static constexpr std::string_view kMeaning = "light_surface, record_geometry";
 };
 
 template <bool kInstanced>
-struct LightSurfaceKept : Lit<RecordSurface<kInstanced>> {
+struct LightSurfaceKept : LightParts<RecordSurface<kInstanced>> {
   static constexpr std::string_view kName = kInstanced ? "light_surface_kept_instanced" : "light_surface_kept";
   static constexpr std::string_view kMeaning = "light_surface, record_surface";
 };
 
 template <bool kInstanced>
-struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
+struct LightSurfaceSecondary : LightParts<RecordSecondary<kInstanced>> {
   static constexpr std::string_view kName =
       kInstanced ? "light_surface_secondary_instanced" : "light_surface_secondary";
   static constexpr std::string_view kMeaning = "light_surface, record_secondary";
@@ -58,36 +58,36 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
 
 /// Parts of fused kernels that fetch, classify and light a surface, for scenes without texture details.
 template <bool kInstanced, bool kCones, class... Record>
-using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
-                            LightImmediately<ShadeAmbient>, LightImmediately<ShadeDiffuse>, Record...>;
+using FetchAndLightParts = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
+                                 LightImmediately<ShadeAmbient>, LightImmediately<ShadeDiffuse>, Record...>;
 
 template <bool kInstanced, bool kCones = false>
-struct FetchLit : FetchedAndLit<kInstanced, kCones> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+struct FetchLit : FetchAndLightParts<kInstanced, kCones> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_lit", "fetch_lit_instanced", "fetch_lit_cones", "fetch_lit_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface";
 };
 
 template <bool kInstanced, bool kCones = false>
-struct FetchLitGeometry : FetchedAndLit<kInstanced, kCones, RecordGeometry<kInstanced>> {
-  static constexpr std::string_view kName =
-      variant_name_by_surface<kInstanced, kCones>("fetch_lit_geometry", "fetch_lit_geometry_instanced",
-                                                  "fetch_lit_geometry_cones", "fetch_lit_geometry_cones_instanced");
+struct FetchLitGeometry : FetchAndLightParts<kInstanced, kCones, RecordGeometry<kInstanced>> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
+      "fetch_lit_geometry", "fetch_lit_geometry_instanced", "fetch_lit_geometry_cones",
+      "fetch_lit_geometry_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_geometry";
 };
 
 template <bool kInstanced, bool kCones = false>
-struct FetchLitKept : FetchedAndLit<kInstanced, kCones, RecordSurface<kInstanced>> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+struct FetchLitKept : FetchAndLightParts<kInstanced, kCones, RecordSurface<kInstanced>> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_lit_kept", "fetch_lit_kept_instanced", "fetch_lit_kept_cones", "fetch_lit_kept_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_surface";
 };
 
 template <bool kInstanced, bool kCones = false>
-struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kInstanced>> {
-  static constexpr std::string_view kName =
-      variant_name_by_surface<kInstanced, kCones>("fetch_lit_secondary", "fetch_lit_secondary_instanced",
-                                                  "fetch_lit_secondary_cones", "fetch_lit_secondary_cones_instanced");
+struct FetchLitSecondary : FetchAndLightParts<kInstanced, kCones, RecordSecondary<kInstanced>> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
+      "fetch_lit_secondary", "fetch_lit_secondary_instanced", "fetch_lit_secondary_cones",
+      "fetch_lit_secondary_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
 };
 
@@ -209,45 +209,45 @@ struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShad
 // first occlusion ray.
 
 template <class... Local>
-using LitBy = Fused<ClassifySurfaces, ListDeferred, LightImmediately<Local>...>;
+using LightPartsWithEffect = Fused<ClassifySurfaces, ListDeferred, LightImmediately<Local>...>;
 template <bool kInstanced, bool kCones, class... Local>
-using FetchedAndLitBy =
+using FetchAndLightPartsWithEffect =
     Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred, LightImmediately<Local>...>;
 
-struct LightSurfaceOpen : LitBy<ShadeAmbient, ShadeOpen> {
+struct LightSurfaceOpen : LightPartsWithEffect<ShadeAmbient, ShadeOpen> {
   static constexpr std::string_view kName = "light_surface_open";
   static constexpr std::string_view kMeaning = "classify_surfaces, shade_ambient, shade_open of the first light";
 };
 
-struct LightSurfaceSoft : LitBy<ShadeAmbient, ShadeSoft> {
+struct LightSurfaceSoft : LightPartsWithEffect<ShadeAmbient, ShadeSoft> {
   static constexpr std::string_view kName = "light_surface_soft";
   static constexpr std::string_view kMeaning = "classify_surfaces, shade_ambient, shade_soft of the first light";
 };
 
-struct LightSurfaceOcclusion : LitBy<CastOcclusion> {
+struct LightSurfaceOcclusion : LightPartsWithEffect<CastOcclusion> {
   static constexpr std::string_view kName = "light_surface_occlusion";
   static constexpr std::string_view kMeaning = "classify_surfaces, cast_occlusion of the first ray";
 };
 
 template <bool kInstanced, bool kCones>
-struct FetchLitOpen : FetchedAndLitBy<kInstanced, kCones, ShadeAmbient, ShadeOpen> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+struct FetchLitOpen : FetchAndLightPartsWithEffect<kInstanced, kCones, ShadeAmbient, ShadeOpen> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_lit_open", "fetch_lit_open_instanced", "fetch_lit_open_cones", "fetch_lit_open_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_open";
 };
 
 template <bool kInstanced, bool kCones>
-struct FetchLitSoft : FetchedAndLitBy<kInstanced, kCones, ShadeAmbient, ShadeSoft> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+struct FetchLitSoft : FetchAndLightPartsWithEffect<kInstanced, kCones, ShadeAmbient, ShadeSoft> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_lit_soft", "fetch_lit_soft_instanced", "fetch_lit_soft_cones", "fetch_lit_soft_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_soft";
 };
 
 template <bool kInstanced, bool kCones>
-struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
-  static constexpr std::string_view kName =
-      variant_name_by_surface<kInstanced, kCones>("fetch_lit_occlusion", "fetch_lit_occlusion_instanced",
-                                                  "fetch_lit_occlusion_cones", "fetch_lit_occlusion_cones_instanced");
+struct FetchLitOcclusion : FetchAndLightPartsWithEffect<kInstanced, kCones, CastOcclusion> {
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
+      "fetch_lit_occlusion", "fetch_lit_occlusion_instanced", "fetch_lit_occlusion_cones",
+      "fetch_lit_occlusion_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
@@ -255,7 +255,7 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
 /// them.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "fetch_visible", "fetch_visible_instanced", "fetch_visible_cones", "fetch_visible_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, classify_surfaces, record_visible";
 };

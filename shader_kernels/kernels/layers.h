@@ -93,7 +93,7 @@ struct TestAlpha {
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> slot = io.layers.load(item).word;
     const RayRecord<V> ray = io.rays.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(io.hits.load(slot));
+    const HitRecord<V> hit = decode_hit_weights<V>(io.hits.load(slot));
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
     const M<V> is_blended = has_flag<V>(layer.material.flags, traces::kBlended);
     const F<V> least = select(is_blended, io.min_weight, layer.material.alpha_cutoff);
@@ -129,7 +129,7 @@ struct TestShadow {
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> slot = io.layers.load(item).word;
     const RayRecord<V> ray = io.rays.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(io.hits.load(slot));
+    const HitRecord<V> hit = decode_hit_weights<V>(io.hits.load(slot));
     const PathRecord<V> path = io.paths.load(slot);
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
     const MaterialFields<V>& m = layer.material;

@@ -15,7 +15,7 @@ struct AverageColour {
   template <class V>
   struct Ports {
     Local<V, ColourRecord> colours, pixels;
-    Carried<V> red, green, blue;
+    LoopCarried<V> red, green, blue;
     F<V> samples, inverse_samples;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.colours, p.pixels, p.red, p.green, p.blue, p.samples, p.inverse_samples));
@@ -30,7 +30,7 @@ struct AverageColour {
   template <class V>
   static void add_sample(Ports<V>& io, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
-    const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
+    const auto sum = [&](LoopCarried<V>& so_far, const F<V>& sample) {
       const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamp_to_unit<V>(sample);
       so_far.set(next);
       return next;

@@ -136,12 +136,13 @@ class ShadedAround {
  public:
   static constexpr std::uint32_t kSide = 2 * kRadius + 1, kTaps = kSide * kSide, kOwn = kTaps / 2;
   ShadedAround(const DivMod<V>& pixel, const FinishedUniforms<V>& tile)
-      : columns_(bounded_steps(pixel.remainder, tile.low_x, tile.high_x, [](float by) { return F<V>(by); })),
-        rows_(bounded_steps(pixel.quotient, tile.low_y, tile.high_y, [&](float by) { return tile.pitch * by; })) {}
+      : columns_(offsets_inside_picture(pixel.remainder, tile.low_x, tile.high_x, [](float by) { return F<V>(by); })),
+        rows_(offsets_inside_picture(pixel.quotient, tile.low_y, tile.high_y,
+                                     [&](float by) { return tile.pitch * by; })) {}
 
   /// Calls f(index, inside) for the shaded sample number `t`, row by row, of the square around sample `centre`.
   /// `inside` is false outside the picture. `t` must not be the number of the centre.
-  auto call_with_tap(std::uint32_t t, const F<V>& centre, auto&& f) const {
+  auto call_with_sample(std::uint32_t t, const F<V>& centre, auto&& f) const {
     const std::uint32_t x = t % kSide, y = t / kSide;
     if (x == kRadius) return f(centre + rows_[step_index(y)].samples, rows_[step_index(y)].inside);
     if (y == kRadius) return f(centre + columns_[step_index(x)].samples, columns_[step_index(x)].inside);
@@ -158,7 +159,7 @@ class ShadedAround {
   using Steps = std::array<Step, 2 * kRadius>;
   /// Returns the offsets from column or row `from` to the columns or rows at distances -kRadius to kRadius, except 0.
   /// samples(n) converts a distance of n pixels to an index offset.
-  static Steps bounded_steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
+  static Steps offsets_inside_picture(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
       const F<V> to = from + by;
@@ -263,13 +264,13 @@ struct Reconstruct {
   using Samples = std::array<VisibleRecord<V>, kGeometrySamples>;
 
   template <class V>
-  struct Own {
+  struct OwnSamples {
     I<V> shaded;
     Samples<V> samples;
   };
   template <class V>
-  static Own<V> load_own_samples(const F<V>& centre, Ports<V>& io) {
-    Own<V> own{to_int(centre), {}};
+  static OwnSamples<V> load_own_samples(const F<V>& centre, Ports<V>& io) {
+    OwnSamples<V> own{to_int(centre), {}};
     I<V> sample = own.shaded;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
       if (k != 0) sample = sample + io.apart;
@@ -280,12 +281,12 @@ struct Reconstruct {
 
   template <class V>
   static Vec3<V> filter_pixel(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& io) {
-    const Own<V> own = load_own_samples<V>(centre, io);
+    const OwnSamples<V> own = load_own_samples<V>(centre, io);
     const ShadedAround<kRadius, V> around(pixel, io.finished);
     std::array<Tap<V>, kTaps> taps;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
       taps[t] = t == kOwn ? weigh_own_sample<V>(own, io)
-                          : around.call_with_tap(t, centre, [&](const F<V>& index, const M<V>& inside) {
+                          : around.call_with_sample(t, centre, [&](const F<V>& index, const M<V>& inside) {
                               return weigh_other_sample<V>(own, index, inside, io);
                             });
     }
@@ -321,7 +322,7 @@ struct Reconstruct {
 
   /// Returns the shaded sample of the filtered pixel itself, with its filter weights.
   template <class V>
-  static Tap<V> weigh_own_sample(const Own<V>& own, Ports<V>& io) {
+  static Tap<V> weigh_own_sample(const OwnSamples<V>& own, Ports<V>& io) {
     Tap<V> out{io.colours.load(own.shaded).rgb, {}};
     out.weights[0] = 1.0F;
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
@@ -333,7 +334,7 @@ struct Reconstruct {
   /// Returns the shaded sample of another pixel, at `index`, with its filter weights. All weights are 0 if `inside` is
   /// false.
   template <class V>
-  static Tap<V> weigh_other_sample(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& io) {
+  static Tap<V> weigh_other_sample(const OwnSamples<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& io) {
     const I<V> sample = to_int(index);
     VisibleRecord<V> record = io.visible.load(sample);
     record.depth = select(inside, record.depth, F<V>(kOutsideDepth));
@@ -394,7 +395,7 @@ struct ListContrasts {
     Vec3<V> least = colour, most = colour;
     for (std::uint32_t t = 0; t < ShadedAround<1, V>::kTaps; ++t) {
       if (t == ShadedAround<1, V>::kOwn) continue;
-      const Vec3<V> seen = around.call_with_tap(t, centre, [&](const F<V>& index, const M<V>& inside) {
+      const Vec3<V> seen = around.call_with_sample(t, centre, [&](const F<V>& index, const M<V>& inside) {
         const I<V> sample = to_int(index);
         VisibleRecord<V> other = io.visible.load(sample);
         other.depth = select(inside, other.depth, F<V>(kOutsideDepth));

@@ -19,11 +19,11 @@ template <class V, bool kInstanced>
 using Hits = std::conditional_t<kInstanced, Local<V, InstanceHitRecord>, Local<V, HitRecord>>;
 
 template <class V>
-HitRecord<V> with_float_weights(const HitRecord<V>& hit) {
+HitRecord<V> decode_hit_weights(const HitRecord<V>& hit) {
   return hit;
 }
 template <class V>
-HitRecord<V> with_float_weights(const InstanceHitRecord<V>& hit) {
+HitRecord<V> decode_hit_weights(const InstanceHitRecord<V>& hit) {
   constexpr float kStep = 1.0F / static_cast<float>(traces::kWeightOne);
   const auto weight = [](const I<V>& word) { return to_float(word >> traces::kHalfBits) * kStep; };
   return {hit.t, weight(hit.u), weight(hit.v), hit.triangle};
@@ -48,7 +48,7 @@ Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
 /// length of `n`, its normal in mesh space, is the density in mesh space. `length_in_world`: length of
 /// normal_to_world(n).
 template <class V>
-F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
+F<V> world_texture_density(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
   const F<V> squared = dot(n, n);
   return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
 }
@@ -85,8 +85,9 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
 
 /// Returns the name of a kernel variant: one of four names, with or without instances and with or without ray cones.
 template <bool kInstanced, bool kCones>
-constexpr std::string_view variant_name_by_surface(std::string_view plain, std::string_view instanced,
-                                                   std::string_view cones, std::string_view cones_instanced) {
+constexpr std::string_view variant_name_by_instances_and_cones(std::string_view plain, std::string_view instanced,
+                                                               std::string_view cones,
+                                                               std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
@@ -102,9 +103,9 @@ inline constexpr float kLeastCosine = 0x1p-6F;
 /// line.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
-  static constexpr std::string_view kName = variant_name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "shade_surface", "shade_surface_instanced", "shade_surface_cones", "shade_surface_cones_instanced");
-  static constexpr std::string_view kMeaning = variant_name_by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kMeaning = variant_name_by_instances_and_cones<kInstanced, kCones>(
       "hit -> surface: position, normal, texture coordinates, base colour",
       "as shade_surface, with the normal out of the mesh's space", "as shade_surface, with the footprint of ray cones",
       "as shade_surface_cones, with the normal out of the mesh's space");
@@ -136,7 +137,7 @@ struct ShadeSurface {
     const I<V> slot = io.surfaces.load(item).word;
     const RayRecord<V> ray = io.rays.load(slot);
     const auto found = io.hits.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(found);
+    const HitRecord<V> hit = decode_hit_weights<V>(found);
     const AttributeFields<V> a = io.attributes.load(triangle_index_of<V>(hit));
     const MaterialFields<V> m = io.materials.load(a.material);
 
@@ -157,7 +158,7 @@ struct ShadeSurface {
       const Vec3<V> before = ray.origin - io.cone.eye;
       const F<V> width = (sqrt(dot(before, before)) + hit.t) * io.cone.spread;
       F<V> density = length;
-      if constexpr (kInstanced) density = density_in_world<V>(instance, of_mesh, length);
+      if constexpr (kInstanced) density = world_texture_density<V>(instance, of_mesh, length);
       texture = pack_footprint<V>(texture, width * density / max(abs(cosine), F<V>(kLeastCosine)));
     }
     io.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
@@ -191,7 +192,7 @@ struct FetchVertices {
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> slot = io.vertexed.load(item).word;
     const auto found = io.hits.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(found);
+    const HitRecord<V> hit = decode_hit_weights<V>(found);
     const DiffuseRecord<V> matte = io.mattes.load(slot);
     SpecularRecord<V> optics = io.optics.load(slot);
     const VertexFields<V> vertex = io.vertices.load(triangle_index_of<V>(hit));

@@ -265,7 +265,7 @@ struct PackSubpixels {
     F<V> width, height;           ///< size of the tile in pixels
     Local<V, WordRecord> verdicts, active, masters;
     Local<V, WordRecord> fills;  ///< per chunk: used entries and, above bit kFillBits, masters up to the chunk's end
-    Carried<V> list_end;
+    LoopCarried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port,
@@ -329,7 +329,7 @@ struct PackSubpixelsAtomic {
   template <class V>
   struct Ports {
     Local<V, WordRecord> verdicts, active, length;
-    Carried<V> subpixel;
+    LoopCarried<V> subpixel;
     F<V> stride, subpixels;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.verdicts, p.active, p.length, p.subpixel, p.stride, p.subpixels));
@@ -360,7 +360,7 @@ struct SumSubpixels {
   struct Ports {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
-    Carried<V> red, green, blue, base_red, base_green, base_blue;
+    LoopCarried<V> red, green, blue, base_red, base_green, base_blue;
     F<V> first_sample;  ///< index in `colours` of the first sample of entry 0 in the list of active sub-pixels
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
@@ -378,7 +378,7 @@ struct SumSubpixels {
     const Vec3<V> colour = io.colours.load(to_int(io.first_sample + to_float(index))).rgb;
     const Vec3<V> centre = io.pixels.load(pixel).rgb;
     const M<V> first = (item & 15U) == 0U;
-    const auto sum = [&](Carried<V>& so_far, Carried<V>& base, const F<V>& more, const F<V>& begin) {
+    const auto sum = [&](LoopCarried<V>& so_far, LoopCarried<V>& base, const F<V>& more, const F<V>& begin) {
       const F<V> next = select(first, F<V>(0.0F), so_far.get()) + select(is_active, clamp_to_unit<V>(more), F<V>(0.0F));
       so_far.set(next);
       const F<V> kept = select(first, begin, base.get());
@@ -512,7 +512,7 @@ struct PropagateSubpixels {
     Local<V, SubpixelRecord> states;
     Local<V, WordRecord> verdicts, active, masters;
     Counter<V> active_count, masters_count;
-    Carried<V> last_master;                    ///< the pixel that the kernel listed last
+    LoopCarried<V> last_master;                ///< the pixel that the kernel listed last
     std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds of attributes; above 1: never reached
     I<V> round;  ///< number of the previous round of propagation, shifted to its bits in a state word
     static constexpr void describe(auto& p, auto&& port) {

@@ -17,7 +17,7 @@ std::uint32_t GeometryPass::pass_end(std::uint32_t tile_index) const {
 
 FrameRequirements GeometryPass::requirements() const {
   FrameRequirements needs = program_->requirements();
-  needs.raster = rasteriser_->raster_demands();
+  needs.raster = rasteriser_->raster_array_sizes();
   return needs;
 }
 

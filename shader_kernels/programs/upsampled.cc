@@ -46,7 +46,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.reserve_low_rate(position_count(), layers_);
+  out.buffer.reserve_low_rate(buffer_position_count(), layers_);
   const float halo = static_cast<float>(tiles_.halo_width()), pitch = static_cast<float>(tiles_.row_pitch());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   TileGraph& graph = wave.tile_graph();
@@ -80,7 +80,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     ClearEffects::Ports<float> ports;
     ports.lattice = lattice;
-    ports.lattice.first += static_cast<float>(layer * position_count());
+    ports.lattice.first += static_cast<float>(layer * buffer_position_count());
     const Node next = graph.launch<ClearEffects>(ports, pixels);
     graph.wait_for_all(next, cleared);
     cleared = next;
@@ -98,7 +98,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
-  retained.low_rate = {.are_low_rate = true, .layer = position_count(), .grid = tile.grid};
+  retained.low_rate = {.are_low_rate = true, .layer = buffer_position_count(), .grid = tile.grid};
   retained.cleared = generated;
   wave.run(generated, pixels, retained);
 }
@@ -138,7 +138,7 @@ UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
     ports.x0 = static_cast<float>(tile.out.x);
     ports.y0 = static_cast<float>(tile.out.y);
     ports.bend = bend_;
-    ports.apart = layer * position_count();
+    ports.apart = layer * buffer_position_count();
     const Node next = tile.graph.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
     if (layer == 0) {
       tile.graph.wait_for_record_writers(next);

@@ -47,7 +47,7 @@ class UpsampledProgram final : public FrameProgram {
     TileResult& out;
   };
 
-  std::uint32_t position_count() const { return tiles_.buffer_samples(); }
+  std::uint32_t buffer_position_count() const { return tiles_.buffer_sample_count(); }
   /// light_bytes_per_sample() returns the bytes of a sample's data for all lights. exchanged_bytes_per_sample() returns
   /// the mean bytes per border sample that a neighbouring tile reads.
   std::uint32_t light_bytes_per_sample() const;

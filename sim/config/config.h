@@ -32,7 +32,7 @@ Config load_config(const std::filesystem::path& file, std::span<const std::strin
   Config config;
   ConfigNode tree = config_tree(config);
   ConfigLoader loader(tree);
-  loader.choose_bundles(sets);
+  loader.read_bundle_choices(sets);
   loader.apply_file(file);
   for (const std::string& argument : sets) loader.apply_set(argument);
   check_tree(tree, file.string());

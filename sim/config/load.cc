@@ -167,7 +167,7 @@ void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& fi
   open_files_.pop_back();
 }
 
-void ConfigLoader::choose_bundles(std::span<const std::string> sets) {
+void ConfigLoader::read_bundle_choices(std::span<const std::string> sets) {
   for (const std::string& set : sets) {
     const std::size_t equals = std::min(set.find('='), set.size());
     const ConfigNode* node = root_.find_child(std::string_view(set).substr(0, equals));

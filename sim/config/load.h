@@ -30,7 +30,7 @@ class ConfigLoader {
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
   /// Reads the values of bundle fields, such as `process`, from --set arguments (TreeBuilder::bundle_choice). Call
   /// before files are read. If a field is set several times, the last value counts.
-  void choose_bundles(std::span<const std::string> sets);
+  void read_bundle_choices(std::span<const std::string> sets);
   /// Reads a configuration file that may contain only the given keys at its top level.
   void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
   /// Reads a configuration from YAML text, such as the output of dump_config. `name` identifies the text in errors.

@@ -65,7 +65,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
 
  private:
   /// A YAML mapping or sequence whose end has not been parsed yet.
-  struct Open {
+  struct OpenNode {
     Node node;
     YAML::anchor_t anchor;
     std::optional<YamlNode::Entry> entry;  ///< entry whose key has been parsed, but not its value
@@ -106,7 +106,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
     }
   }
   void attach_key(const YAML::Mark& mark, const Node& node) {
-    Open& mapping = open_.back();
+    OpenNode& mapping = open_.back();
     if (node->kind != YamlNode::Kind::kScalar) refuse_at(mark, "a key must be plain text");
     if (!mapping.keys.insert(node->scalar).second) {
       refuse_at(mark, fmt::format("the key '{}' is given twice", node->scalar));
@@ -114,7 +114,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
     mapping.entry = {node->scalar, position_of(mark), position_of(mark), nullptr};
   }
   void attach_value(const YAML::Mark& mark, const Node& node) {
-    Open& mapping = open_.back();
+    OpenNode& mapping = open_.back();
     if (node->kind != YamlNode::Kind::kEmpty) mapping.entry->value_at = position_of(mark);
     mapping.entry->value = node;
     mapping.node->entries.push_back(std::move(*mapping.entry));
@@ -123,7 +123,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
 
   const std::string& name_;
   Node root_;
-  std::vector<Open> open_;
+  std::vector<OpenNode> open_;
   std::map<YAML::anchor_t, Node> anchors_;
 };
 

@@ -87,8 +87,8 @@ using PowerScales = std::map<std::string, PowerScale>;
 class VoltageCurve {
  public:
   double voltage_at(std::uint64_t hz) const;
-  std::uint64_t least_hz() const { return points_.front().hz; }
-  std::uint64_t most_hz() const { return points_.back().hz; }
+  std::uint64_t lowest_hz() const { return points_.front().hz; }
+  std::uint64_t highest_hz() const { return points_.back().hz; }
 
  private:
   friend std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
@@ -128,8 +128,8 @@ class EnergyCurve {
   /// Returns the energy for an array of `bytes` bytes. `bytes` must be more than 0 if depends_on_size().
   EnergyPoint point_at(std::uint64_t bytes) const;
   /// Smallest and largest array size of the curve's points, in bytes. point_at() extrapolates outside this range.
-  std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
-  std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
+  std::uint64_t smallest_array_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
+  std::uint64_t largest_array_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
 
  private:
   friend class EnergyTable;

@@ -94,18 +94,20 @@ struct Array {
   auto operator<=>(const Array&) const = default;
 };
 /// Memory arrays whose size is outside their energy or area curve, each with the names of its table entries.
-using Outside = std::map<Array, std::set<std::string>>;
+using ArraysOutsideCurve = std::map<Array, std::set<std::string>>;
 
-void add_if_outside(const EnergyTable& table, const std::string& entry, const UnitReport& unit, Outside& outside) {
+void add_if_outside(const EnergyTable& table, const std::string& entry, const UnitReport& unit,
+                    ArraysOutsideCurve& outside) {
   if (!table.contains(entry) || !table.curve_of(entry).depends_on_size()) return;
   const EnergyCurve& curve = table.curve_of(entry);
-  if (unit.cache_bytes >= curve.least_bytes() && unit.cache_bytes <= curve.most_bytes()) return;
-  outside[{entry_name(unit), unit.cache_bytes, curve.least_bytes(), curve.most_bytes()}].insert(entry);
+  if (unit.cache_bytes >= curve.smallest_array_bytes() && unit.cache_bytes <= curve.largest_array_bytes()) return;
+  outside[{entry_name(unit), unit.cache_bytes, curve.smallest_array_bytes(), curve.largest_array_bytes()}].insert(
+      entry);
 }
 
 std::string size_text(std::uint64_t bytes) { return quantity_text(bytes, byte_units()); }
 
-void append_warnings(const char* table, const Outside& outside, std::vector<std::string>& lines) {
+void append_warnings(const char* table, const ArraysOutsideCurve& outside, std::vector<std::string>& lines) {
   for (const auto& [array, entries] : outside) {
     lines.push_back(fmt::format("{}: the array of {} has {}, outside {} to {} of {}, and is extrapolated", table,
                                 array.kind, size_text(array.bytes), size_text(array.least), size_text(array.most),
@@ -119,7 +121,7 @@ std::vector<std::string> curve_range_warnings(std::span<const UnitReport> units,
                                               const std::map<std::string, Band>& events,
                                               const std::map<std::string, Band>& arrays) {
   const EnergyTable energy(events), area(arrays, "area.arrays");
-  Outside of_energy, of_area;
+  ArraysOutsideCurve of_energy, of_area;
   for (const UnitReport& unit : units) {
     if (unit.cache_bytes == 0) continue;
     for (const CounterReport& counter : unit.counters) add_if_outside(energy, counter.event, unit, of_energy);

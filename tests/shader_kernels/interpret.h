@@ -43,7 +43,7 @@ class EnvironmentBinder {
   }
   void operator()(const Texels<float>& port, std::string_view) const { to_.textures = port.textures; }
   void operator()(const Counter<float>& port, std::string_view name) const { to_.carried.emplace(name, port.value); }
-  void operator()(const Carried<float>& port, std::string_view name) const {
+  void operator()(const LoopCarried<float>& port, std::string_view name) const {
     to_.carried.emplace(name, std::bit_cast<std::uint32_t>(port.value));
   }
   void operator()(std::uint32_t uniform, std::string_view name) const { to_.uniforms.emplace(name, uniform); }

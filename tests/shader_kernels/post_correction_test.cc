@@ -189,7 +189,7 @@ std::string scanned(const std::string& how, const std::string& what, const std::
     correction.store_samples(tile, at);
   }
   const auto& all = correction.run_scan(scan, [&](std::span<const PostCorrection::Suspect> found) {
-    PostCorrection::Found out;
+    PostCorrection::SuspectResults out;
     for (const PostCorrection::Suspect& s : found) {
       const char c = truth[s.x + s.y];
       out.identities.push_back(static_cast<std::uint32_t>(c) | kTracedSample);

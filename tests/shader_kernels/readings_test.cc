@@ -48,7 +48,7 @@ class RandomPorts {
   }
   void operator()(Texels<float>& port, std::string_view) { port.textures = textures_.data(); }
   void operator()(Counter<float>&, std::string_view) {}
-  void operator()(Carried<float>& port, std::string_view) { port.value = number(); }
+  void operator()(LoopCarried<float>& port, std::string_view) { port.value = number(); }
   void operator()(float& uniform, std::string_view name) {
     const bool is_inverse = name.find("inverse_") != std::string_view::npos;
     const float count = counted(name);

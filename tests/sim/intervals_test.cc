@@ -11,8 +11,8 @@ namespace {
 Intervals recorded(Time length, std::size_t most, Time end) {
   Intervals intervals(length, most);
   intervals.allocate_rows(1);
-  while (intervals.next_boundary() < end) {
-    const Time edge = intervals.next_boundary();
+  while (intervals.next_interval_boundary() < end) {
+    const Time edge = intervals.next_interval_boundary();
     *intervals.add_next_row() = edge;
   }
   *intervals.add_last_row(end) = end;

@@ -92,7 +92,7 @@ TEST(Link, MirrorsItsPopTimeAndLowersTheSoonestForAnItemInAnEmptyLink) {
   Link<int> link(3, 2, kFast);
   link.push(0, 1);
   Time pop_at = 0, soonest = 40;
-  link.mirror_pop_time(&pop_at, &soonest);
+  link.store_pop_time_in(&pop_at, &soonest);
   EXPECT_EQ(pop_at, 4U);
   EXPECT_EQ(soonest, 4U);
   soonest = kNever;

@@ -282,9 +282,9 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
     if (draws) assumed = std::max(assumed, replicate_noise(*draws));
   }
   const auto seen = [&](double value, const std::optional<Draws>& draws) {
-    return draws ? MeasuredFigure{draws->mean, draws} : MeasuredFigure{value, {}, assumed};
+    return draws ? MeasuredMetric{draws->mean, draws} : MeasuredMetric{value, {}, assumed};
   };
-  const MeasuredFigure seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
+  const MeasuredMetric seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
   const MeanDifference d = difference_of(seen_a, seen_b);
   return NoisyDifference{d.value / seen_a.value, d.half_width() / seen_a.value, draws_a && draws_b,
                          std::abs(d.value) > d.half_width()};

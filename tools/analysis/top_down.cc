@@ -391,7 +391,7 @@ namespace {
 // The constants below are fitted to 39 random machines that are not in the tables of docs/bottleneck.md.
 
 /// Mean share of a cache's MSHRs that are in use while misses alone limit the cache.
-constexpr double kRegistersInUse = 2.0 / 3;
+constexpr double kMshrsInUse = 2.0 / 3;
 /// Largest share of time in which a DRAM data bus can transfer data.
 constexpr double kBusAtBest = 0.9;
 /// Of the time in which a DRAM channel is busy without data, such as row commands, the share that other requests cannot
@@ -447,10 +447,10 @@ double remaining_queue_ratio(double busy, double gone) {
 }
 
 /// Lower bounds of the frame time. Each is the time of one resource's work if all other resources are ideal.
-struct Least {
+struct LowerBounds {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };
-Least lower_time_bounds(const CoreTime::Demands& d) {
+LowerBounds lower_time_bounds(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
           .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // chosen: misses could use half of the free MSHRs, too
           .wires = d.port_lines / kPortAtBest,
@@ -486,11 +486,11 @@ std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   const double p = overlap_exponent({shading, d.fed, spilling}, time);
   const double tree =
       t.tracing_share() > 0 ? d.fed * t.tree_misses / t.tracing_share() : 0;  // miss time of the T&I unit
-  const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
-  const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
+  const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kMshrsInUse), std::min(tree, d.tree_waits));
+  const double ideal_data = std::min(t.data_misses, d.data_lines / kMshrsInUse);
   const double full_tracing = d.tracing + (d.fed - d.tracing) * remaining_free_slot_share(d);
 
-  const Least least = lower_time_bounds(d);
+  const LowerBounds least = lower_time_bounds(d);
   const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
   const double all = std::max({least.memory, least.lines, least.wires});
 

@@ -62,7 +62,7 @@ std::string_view verb_of(const std::string& report) {
 
 enum class Former : std::uint8_t { kNone, kOfOtherVerb, kOwn };
 
-Former former_results(const fs::path& folder, const ResultsOf& verb) {
+Former former_results(const fs::path& folder, const VerbResults& verb) {
   const std::string start = read_first_bytes(folder, verb.mark);
   if (start.empty()) return Former::kNone;
   return verb.name.empty() || verb.name == verb_of(start) ? Former::kOwn : Former::kOfOtherVerb;
@@ -88,7 +88,7 @@ bool is_frame_picture_name(std::string_view name) {
   return name.substr(end) == ".png" || is_picture_name("-debug-", name.substr(end));
 }
 
-bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
+bool is_result(const fs::directory_entry& entry, const VerbResults& verb) {
   const std::string name = entry.path().filename().string();
   const bool is_picture = name.ends_with(".png") || name.ends_with(".exr");
   return entry.symlink_status().type() == fs::file_type::regular && (verb.pictures || !is_picture) &&
@@ -96,7 +96,7 @@ bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
 }
 
 /// Returns the result files that an earlier run of the verb left in the folder; none in a folder of another verb.
-std::vector<fs::path> earlier_result_files(const fs::path& folder, const ResultsOf& verb) {
+std::vector<fs::path> earlier_result_files(const fs::path& folder, const VerbResults& verb) {
   std::vector<fs::path> files;
   if (former_results(folder, verb) != Former::kOwn) return files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -179,7 +179,7 @@ bool is_result_name(std::string_view name) {
          is_picture_name("figure-", name) || is_picture_name("debug-", name);
 }
 
-RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
+RunFolder::RunFolder(fs::path target, bool force, const VerbResults& verb)
     : verb_(verb), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
   fs::path canonical = fs::absolute(target_, error);

@@ -63,16 +63,16 @@ double replicate_noise(const Draws& draws) {
   return half_width_of_pair_in_deviations() * draws.deviation / std::abs(draws.mean);
 }
 
-double MeasuredFigure::standard_error() const {
+double MeasuredMetric::standard_error() const {
   return draws ? difference_of(*draws, Draws{1, 0, 0}).error
                : assumed * std::abs(value) / half_width_of_pair_in_deviations();
 }
 
-double MeasuredFigure::half_width() const {
+double MeasuredMetric::half_width() const {
   return draws ? draws->half_width() : student_t_quantile(kEndless) * standard_error();
 }
 
-MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b) {
+MeanDifference difference_of(const MeasuredMetric& a, const MeasuredMetric& b) {
   if (a.draws && b.draws) return difference_of(*a.draws, *b.draws);
   return {b.value - a.value, std::hypot(a.standard_error(), b.standard_error()), kEndless};
 }

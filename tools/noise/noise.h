@@ -76,7 +76,7 @@ double default_noise(double pixels, std::string_view figure);
 bool is_noisy(std::string_view figure);
 
 /// Value of a metric for a design: the mean of replicates, or the value of one run.
-struct MeasuredFigure {
+struct MeasuredMetric {
   double value = 0;
   std::optional<Draws> draws{};  ///< statistics over replicates; empty for a single run
   double assumed = 0;  ///< default_noise() of the metric if there are no replicates; 0: the metric does not vary
@@ -87,7 +87,7 @@ struct MeasuredFigure {
   double half_width() const;
 };
 /// Returns the difference b - a of two measured values and its error; by Welch's test if both have replicates.
-MeanDifference difference_of(const MeasuredFigure& a, const MeasuredFigure& b);
+MeanDifference difference_of(const MeasuredMetric& a, const MeasuredMetric& b);
 
 /// Returns the noise of a metric from its replicates. Like default_noise(), it is the half-width of the 95 % interval
 /// of the difference of two runs, as a share of the metric's value.

@@ -181,7 +181,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   const ReportedCounts counts(report);
   std::vector<sim::UnitReport> units = idle_unit_reports(*config_.gpu, counts.has_rasteriser());
   counts.fill(units);
-  make_formula(units);
+  build_energy_formula(units);
   const double own = total(&sim::Band::nominal) / sim::kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
   if (!(std::abs(own - stated) <= kSumRounding * stated)) {
@@ -192,14 +192,14 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
     apply_table(table, config_);
     units = idle_unit_reports(*config_.gpu, counts.has_rasteriser());
     counts.fill(units);
-    make_formula(units);
+    build_energy_formula(units);
   }
   for (EnergyEntry& entry : energy_entries(config_)) {
     if (entry.has_band()) entries_.push_back(std::move(entry));
   }
 }
 
-void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
+void PricedRun::build_energy_formula(const std::vector<sim::UnitReport>& units) {
   device_ = hw::dram_energy_events(config_.gpu->dram);
   check_table_names(units, config_);
   extrapolated_ = sim::curve_range_warnings(units, config_.energy.events, {});

@@ -90,7 +90,7 @@ class PricedRun {
   double period_energy_pj(sim::BandMember side) const;
 
  private:
-  void make_formula(const std::vector<sim::UnitReport>& units);
+  void build_energy_formula(const std::vector<sim::UnitReport>& units);
 
   RunConfig config_;
   WorkDone work_;

@@ -87,7 +87,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   FrameResult frame = frames.simulate(own);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {
-    out.tiles.frames.push_back(compute_tile_figures(frame, inputs.config, inputs.frame));
+    out.tiles.frames.push_back(compute_tile_table(frame, inputs.config, inputs.frame));
     if (options.timeline != nullptr) options.timeline->end_frame(frame, out.tiles.frames.back(), inputs.config);
   }
   std::optional<FrameResult> reference;
@@ -97,7 +97,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
       of_reference.itemised = options.itemised;
       reference = frames.simulate_reference(of_reference);
       if (!reference->tile_accounts.empty())
-        out.reference_tiles.frames.push_back(compute_tile_figures(*reference, inputs.config, inputs.frame));
+        out.reference_tiles.frames.push_back(compute_tile_table(*reference, inputs.config, inputs.frame));
     } catch (const Interrupted&) {
       if (!may_be_part) throw;
     }
@@ -171,7 +171,7 @@ void refuse_options_of_whole_frames(const JobOptions& options, const char* mode,
 }  // namespace
 
 RunPlan make_plan(const JobOptions& options) {
-  RunPlan plan{kernels::parse_program(options.program), Whole{}};
+  RunPlan plan{kernels::parse_program(options.program), WholeFrames{}};
   const bool is_sampled = !options.tile_sampling.empty(), is_sliced = !options.slices.empty();
   if (is_sampled) {
     check_tile_sampling(plan.program);
@@ -187,10 +187,10 @@ RunPlan make_plan(const JobOptions& options) {
       throw sim::InputError("--slices does not go with --tile-sampling: a sample of the tiles is not cut");
     }
     refuse_options_of_whole_frames(options, "--slices", &WholeFrameOption::why_not_sliced);
-    plan.how = Sliced{slices};
+    plan.how = SlicedFrames{slices};
   }
   if (!is_sampled && !is_sliced) {
-    Whole whole{{}, options.replicates, options.debug_images};
+    WholeFrames whole{{}, options.replicates, options.debug_images};
     if (!options.reference.empty()) whole.reference = kernels::parse_program(options.reference);
     plan.how = whole;
   }

@@ -21,25 +21,25 @@
 namespace tools {
 
 /// Mode of a run in which every tile of a frame is simulated on one machine.
-struct Whole {
+struct WholeFrames {
   std::optional<kernels::ProgramSpec> reference;  ///< program of the reference run, if any
   std::uint32_t replicates = 1;                   ///< simulations of each frame; all but the first are perturbed
   bool debug_images = false;
 };
 
 /// Mode of a run in which slices of a frame are simulated concurrently, each on its own machine (docs/slices.md).
-struct Sliced {
+struct SlicedFrames {
   std::uint32_t slices = 1;  ///< slices per frame; kAutoSlices: chosen automatically
 };
 
 /// What a run simulates and how. Invalid combinations of options cannot be represented.
 struct RunPlan {
   kernels::ProgramSpec program;
-  std::variant<Whole, TileSampling, Sliced> how;
+  std::variant<WholeFrames, TileSampling, SlicedFrames> how;
 
-  const Whole* whole_frames() const { return std::get_if<Whole>(&how); }
+  const WholeFrames* whole_frames() const { return std::get_if<WholeFrames>(&how); }
   const TileSampling* sampling() const { return std::get_if<TileSampling>(&how); }
-  const Sliced* slice_settings() const { return std::get_if<Sliced>(&how); }
+  const SlicedFrames* slice_settings() const { return std::get_if<SlicedFrames>(&how); }
 };
 
 /// Returns the run plan that the options of `raywatt run` describe. Throws InputError for options that exclude each

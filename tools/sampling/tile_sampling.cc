@@ -199,14 +199,14 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
 
 /// Traits of the measured blocks of tiles and of the whole frame, divided by their sizes and standardised over the
 /// blocks. Traits that are equal in all blocks become 0.
-struct Traits {
+struct StandardisedTraits {
   Eigen::MatrixXd parts;  ///< one row per measured block
   Eigen::VectorXd whole;
 };
 
-Traits standardise_traits(std::span<const SamplePart> parts, const SamplePart& whole) {
+StandardisedTraits standardise_traits(std::span<const SamplePart> parts, const SamplePart& whole) {
   const auto n = static_cast<Index>(parts.size()), p = static_cast<Index>(whole.traits.size());
-  Traits traits{Eigen::MatrixXd::Zero(n, p), Eigen::VectorXd::Zero(p)};
+  StandardisedTraits traits{Eigen::MatrixXd::Zero(n, p), Eigen::VectorXd::Zero(p)};
   for (std::size_t j = 0; j < whole.traits.size(); ++j) {
     Eigen::VectorXd rates(n);
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -227,7 +227,7 @@ Traits standardise_traits(std::span<const SamplePart> parts, const SamplePart& w
 SampleWeights::SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge) {
   const auto count = static_cast<double>(parts.size());
   for (const SamplePart& part : parts) sizes_.push_back(part.size);
-  const Traits z = standardise_traits(parts, whole);
+  const StandardisedTraits z = standardise_traits(parts, whole);
   Eigen::MatrixXd normal = z.parts.transpose() * z.parts;
   normal.diagonal().array() += count * std::max(ridge, 1e-9);
   const Eigen::MatrixXd solved = normal.llt().solve(z.parts.transpose());

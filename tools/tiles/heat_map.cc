@@ -87,7 +87,7 @@ DrawnMap draw_heat_map(const HeatMap& map) {
   for (const float value : map.values) shares.push_back(most > 0 ? value / most : 0);
   const std::uint32_t steps = std::max(1U, out.width - 2 * kMargin - 1);
   for (std::uint32_t i = 0; i <= steps; ++i) shares.push_back(static_cast<float>(i) / static_cast<float>(steps));
-  const std::vector<std::uint8_t> colours = traces::map_colours(map.map, shares);
+  const std::vector<std::uint8_t> colours = traces::apply_colour_map(map.map, shares);
   out.rgb.assign(std::size_t{3} * out.width * out.height, 255);
   const auto at = [&](std::uint32_t x, std::uint32_t y) {
     return out.rgb.begin() + 3 * (std::ptrdiff_t{y} * out.width + x);

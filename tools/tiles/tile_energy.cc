@@ -111,22 +111,22 @@ std::size_t srp_counter(std::string_view wanted) {
 }
 
 /// A counter of a unit, and the kind of work by which its energy is shared out.
-struct Rule {
+struct SharingRule {
   std::type_index unit;
   std::string_view counter;
   Kind kind;
 };
 
 template <class Unit>
-Rule make_rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
+SharingRule make_rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
   return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
 }
 
 /// Rules for counters whose energy is shared by another kind of work than default_kind_of_work() returns for their
 /// unit.
-const std::vector<Rule>& special_rules() {
+const std::vector<SharingRule>& special_rules() {
   using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
-  static const std::vector<Rule> all = {
+  static const std::vector<SharingRule> all = {
       make_rule<Trv>(&Trv::Stats::rays_in, kRays),
       make_rule<Trv>(&Trv::Stats::rays_out, kRays),
       make_rule<Trv>(&Trv::Stats::l1_misses, kNodeLines),
@@ -209,7 +209,7 @@ class TileWeights {
 
   /// Returns the kind of work by which the energy of a unit's counter is shared; none if that energy depends on time.
   static std::optional<std::size_t> kind_of_counter(const sim::UnitReport& unit, std::string_view counter) {
-    const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
+    const auto is_it = [&](const SharingRule& rule) { return rule.unit == unit.type && rule.counter == counter; };
     const auto found = std::ranges::find_if(special_rules(), is_it);
     if (found != special_rules().end()) return found->kind;
     if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
@@ -285,9 +285,9 @@ std::optional<std::uint32_t> core_of(std::string_view path) {
 }
 
 /// Collects energy that is shared among tiles, separately for each kind of work by which it is shared.
-class Shared {
+class SharedEnergy {
  public:
-  Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
+  SharedEnergy(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
       : s_(s), weights_(weights), core_(core), counted_(weights.kind_count()) {}
 
   void add(std::size_t weight, const sim::Band& pj) { counted_[weight] += pj; }
@@ -332,12 +332,12 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
   const std::vector<sim::EnergyFormula::UnitEnergy> units = formula.unit_energies();
   const TileWeights weights(s);
   TileEnergy energy{std::vector<sim::Band>(s.tile_accounts.size(), sim::Band{0, 0, 0}), {0, 0, 0}};
-  std::vector<Shared> of_cores;
+  std::vector<SharedEnergy> of_cores;
   for (std::uint32_t core = 0; core < s.machine->cores; ++core) of_cores.emplace_back(s, weights, core);
-  Shared of_all(s, weights, {});
+  SharedEnergy of_all(s, weights, {});
   for (std::size_t u = 0; u < units.size(); ++u) {
     const std::optional<std::uint32_t> core = core_of(s.units[u].path);
-    Shared& shared = core ? of_cores[*core] : of_all;
+    SharedEnergy& shared = core ? of_cores[*core] : of_all;
     shared.add_time_dependent(units[u].idle);
     std::size_t event = 0;
     for (const sim::CounterReport& counter : s.units[u].counters) {
@@ -347,7 +347,7 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
       weight ? shared.add(*weight, pj) : shared.add_time_dependent(pj);
     }
   }
-  for (const Shared& shared : of_cores) shared.distribute_energy(energy);
+  for (const SharedEnergy& shared : of_cores) shared.distribute_energy(energy);
   of_all.distribute_energy(energy);
   return energy;
 }
@@ -475,7 +475,7 @@ class Builder {
 
 }  // namespace
 
-TileFrame compute_tile_figures(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
+TileFrame compute_tile_table(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
   return Builder(s, config, frame).build_frame();
 }
 

@@ -41,6 +41,6 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 
 /// Returns the table of tiles of a frame with itemised costs. The table of a replay has no columns x, y, width and
 /// height, because a trace has no picture.
-TileFrame compute_tile_figures(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
+TileFrame compute_tile_table(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
 
 }  // namespace tools

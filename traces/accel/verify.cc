@@ -166,7 +166,7 @@ VerifyCounts VerifyingTracer::verify_counts() const {
   return counts_;
 }
 
-bool VerifyingTracer::use_retry() const {
+bool VerifyingTracer::take_retry() const {
   const std::lock_guard lock(mutex_);
   return retries_++ < kRetries;
 }
@@ -194,8 +194,8 @@ bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {
   return names_existing_triangle(hit) && exact_hit(ray, image_, hit).certainty != Certainty::kMiss;
 }
 
-VerifyingTracer::Verdict VerifyingTracer::decide_exactly(const Ray& ray, bool any, const Hit& tested,
-                                                         const Hit& reference) const {
+VerifyingTracer::Verdict VerifyingTracer::judge_in_double_precision(const Ray& ray, bool any, const Hit& tested,
+                                                                    const Hit& reference) const {
   const ExactTrace truth = exact_trace(ray, image_);
   const auto allowed = [&](const Hit& hit) {
     if (!hit.is_hit()) return std::isinf(truth.nearest);
@@ -222,7 +222,8 @@ void VerifyingTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<H
     const Hit& reference = references[i];
     const bool any = accepts_any_hit(kind, tested);
     if (is_same_hit(rays[i], any, tested, reference)) continue;
-    const Verdict verdict = use_retry() ? decide_exactly(rays[i], any, tested, reference) : Verdict::kTestedWrong;
+    const Verdict verdict =
+        take_retry() ? judge_in_double_precision(rays[i], any, tested, reference) : Verdict::kTestedWrong;
     if (verdict == Verdict::kTie) {
       ++found.edge_ties;
     } else if (verdict == Verdict::kReferenceWrong) {

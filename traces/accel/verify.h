@@ -71,9 +71,9 @@ class VerifyingTracer : public Tracer {
   /// True if the triangle and instance that the hit names exist.
   bool names_existing_triangle(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
-  Verdict decide_exactly(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
+  Verdict judge_in_double_precision(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   double distance_tolerance(const Ray& ray, double t) const;
-  bool use_retry() const;
+  bool take_retry() const;
 
   const MemoryImage& image_;
   const Tracer& tested_;

@@ -82,7 +82,7 @@ Rasteriser::Rasteriser(const MemoryImage& image, const PictureCamera& camera, co
       near_(near_plane_depth(image)),
       lists_(geometry_, view_, near_, side) {}
 
-RasterDemands Rasteriser::raster_demands() const {
+RasterArraySizes Rasteriser::raster_array_sizes() const {
   return {static_cast<std::uint32_t>(geometry_.vertices.size()), triangle_count(), lists_.entry_count()};
 }
 

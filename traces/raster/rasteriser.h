@@ -58,7 +58,7 @@ class Rasteriser {
   Rasteriser(const Rasteriser&) = delete;
   Rasteriser& operator=(const Rasteriser&) = delete;
 
-  RasterDemands raster_demands() const;
+  RasterArraySizes raster_array_sizes() const;
   /// Returns the number of batches of triangles in the geometry pass.
   std::uint32_t batch_count() const { return (triangle_count() + config_.batch - 1) / config_.batch; }
   /// Appends the work of binning a batch of triangles, and returns the number of triangles. `scratch` provides storage.

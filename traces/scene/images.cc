@@ -110,9 +110,9 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
       path, call_with_name(path.string(), [&] { return exr_bytes(width, height, channels, values, notes); }));
 }
 
-std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values) {
+std::vector<std::uint8_t> apply_colour_map(const std::string& map, std::span<const float> values) {
   std::vector<std::uint8_t> rgb;
-  const std::string error = image_codec().map_colours(map.c_str(), values, rgb);
+  const std::string error = image_codec().apply_colour_map(map.c_str(), values, rgb);
   if (!error.empty()) throw sim::IoError(fmt::format("colour map '{}': {}", map, sim::printable(error)));
   return rgb;
 }

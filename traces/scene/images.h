@@ -43,7 +43,7 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
 
 /// Returns the colours of values from 0 to 1 in a colour map, as sRGB with 3 bytes each. `map` is "turbo", "viridis" or
 /// another of OpenImageIO's.
-std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values);
+std::vector<std::uint8_t> apply_colour_map(const std::string& map, std::span<const float> values);
 
 /// A grey picture with 8 bits per pixel, top row first.
 struct GreyImage {

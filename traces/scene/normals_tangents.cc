@@ -113,7 +113,7 @@ glm::dvec3 any_perpendicular(const glm::dvec3& normal) {
 }
 
 /// Directions of a triangle's texture coordinates, from which its tangents are computed.
-struct Frame {
+struct TextureDirections {
   glm::dvec3 along_u{0};       ///< direction of increasing u, a unit vector
   bool is_degenerate = false;  ///< two corners have the same position
   bool has_direction = false;  ///< the triangle has an area in texture coordinates
@@ -170,10 +170,10 @@ class TangentBuilder {
     group_at_.assign(order.size(), kNone);
   }
 
-  Frame frame_of(const Corners& triangle) const {
+  TextureDirections frame_of(const Corners& triangle) const {
     const auto [a, b, c] = triangle;
     const glm::vec3 &p0 = mesh_.positions[a], &p1 = mesh_.positions[b], &p2 = mesh_.positions[c];
-    Frame frame;
+    TextureDirections frame;
     frame.is_degenerate = p0 == p1 || p1 == p2 || p2 == p0;
     const glm::dvec3 edge1 = glm::dvec3(p1) - glm::dvec3(p0), edge2 = glm::dvec3(p2) - glm::dvec3(p0);
     const glm::dvec2 uv1 = glm::dvec2(uvs_[b]) - glm::dvec2(uvs_[a]), uv2 = glm::dvec2(uvs_[c]) - glm::dvec2(uvs_[a]);
@@ -213,7 +213,7 @@ class TangentBuilder {
 
   void find_groups() {
     for (std::uint32_t corner = 0; corner < group_of_.size(); ++corner) {
-      const Frame& frame = frames_[corner / 3];
+      const TextureDirections& frame = frames_[corner / 3];
       if (frame.is_degenerate || !frame.has_direction || group_of_[corner] != kNone) continue;
       add_group(corner);
     }
@@ -234,7 +234,7 @@ class TangentBuilder {
       const auto i = static_cast<std::uint32_t>(std::ranges::find(v, vertex) - v.begin());
       std::uint32_t* const groups = &group_of_[std::size_t{3} * triangle];
       if (groups[i] != kNone) continue;
-      Frame& frame = frames_[triangle];
+      TextureDirections& frame = frames_[triangle];
       // A triangle without a texture direction joins the first group that reaches it.
       const bool is_free = groups[0] == kNone && groups[1] == kNone && groups[2] == kNone;
       if (!frame.has_direction && is_free) frame.is_mirrored = is_mirrored;
@@ -262,13 +262,13 @@ class TangentBuilder {
 
   const Mesh& mesh_;
   const std::vector<glm::vec2>& uvs_;
-  std::vector<std::uint32_t> vertex_of_;  ///< for each vertex of the mesh, the first vertex equal to it
-  std::vector<Frame> frames_;             ///< texture directions of each triangle
-  std::vector<std::uint32_t> neighbour_;  ///< for each edge, the triangle across it, or kNone
-  std::vector<std::uint32_t> group_of_;   ///< for each corner of a triangle, its tangent group
-  std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first tangent group
-  std::vector<glm::vec4> tangents_;       ///< tangent of each tangent group
-  std::vector<std::uint32_t> open_;       ///< triangles that the current tangent group has reached
+  std::vector<std::uint32_t> vertex_of_;   ///< for each vertex of the mesh, the first vertex equal to it
+  std::vector<TextureDirections> frames_;  ///< texture directions of each triangle
+  std::vector<std::uint32_t> neighbour_;   ///< for each edge, the triangle across it, or kNone
+  std::vector<std::uint32_t> group_of_;    ///< for each corner of a triangle, its tangent group
+  std::vector<std::uint32_t> group_at_;    ///< for each vertex, its first tangent group
+  std::vector<glm::vec4> tangents_;        ///< tangent of each tangent group
+  std::vector<std::uint32_t> open_;        ///< triangles that the current tangent group has reached
 };
 
 }  // namespace

@@ -22,13 +22,13 @@ namespace {
 using Interpolation = Track::Interpolation;
 
 /// The two animation keys between which a time is. Before the first and after the last key, both are that key.
-struct Span {
+struct KeyInterval {
   std::size_t from = 0, to = 0;
   double share = 0;    ///< position between the two keys, 0 to 1
   double seconds = 0;  ///< seconds between the two animation keys
 };
 
-Span find_keys(const Track& track, double seconds) {
+KeyInterval find_keys(const Track& track, double seconds) {
   const auto& times = track.times;
   const auto later = std::upper_bound(times.begin(), times.end(), seconds,
                                       [](double t, float key) { return t < static_cast<double>(key); });
@@ -48,7 +48,7 @@ double key_number(const Track& track, std::size_t key, Part part, std::size_t i,
   return static_cast<double>(track.values[row * count + i]);
 }
 
-double spline_value(const Track& track, const Span& span, std::size_t i, std::size_t count) {
+double spline_value(const Track& track, const KeyInterval& span, std::size_t i, std::size_t count) {
   const double s = span.share, s2 = s * s, s3 = s2 * s;
   return (2 * s3 - 3 * s2 + 1) * key_number(track, span.from, Part::kValue, i, count) +
          (s3 - 2 * s2 + s) * span.seconds * key_number(track, span.from, Part::kOutTangent, i, count) +
@@ -82,7 +82,7 @@ void normalise_rotation(std::span<double> q) {
   for (double& x : q) x /= length;
 }
 
-void interpolate_arc(const Track& track, const Span& span, std::span<double> out) {
+void interpolate_arc(const Track& track, const KeyInterval& span, std::span<double> out) {
   double from[4], to[4];
   for (std::size_t i = 0; i < 4; ++i) {
     from[i] = key_number(track, span.from, Part::kValue, i, 4);
@@ -105,7 +105,7 @@ void sample_track(const Track& track, double seconds, std::span<double> out) {
   assert(track.values.size() ==
          track.times.size() * count * (track.interpolation == Interpolation::kCubicSpline ? 3 : 1));
   const bool rotation = track.path == Track::Path::kRotation;
-  const Span span = find_keys(track, seconds);
+  const KeyInterval span = find_keys(track, seconds);
   if (span.from == span.to || track.interpolation == Interpolation::kStep) {
     for (std::size_t i = 0; i < count; ++i) out[i] = key_number(track, span.from, Part::kValue, i, count);
   } else if (track.interpolation == Interpolation::kCubicSpline) {
@@ -124,7 +124,7 @@ void sample_track(const Track& track, double seconds, std::span<double> out) {
 void sample_track_slope(const Track& track, double seconds, std::span<double> out) {
   assert(track.interpolation == Interpolation::kCubicSpline);
   const std::size_t count = out.size();
-  const Span span = find_keys(track, seconds);
+  const KeyInterval span = find_keys(track, seconds);
   std::ranges::fill(out, 0.0);
   if (span.from == span.to) return;
   const double s = span.share, s2 = s * s;

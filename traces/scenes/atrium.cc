@@ -94,7 +94,7 @@ glm::vec4 curtain_colour(float u, float v) {
   return {c * weave, 1};
 }
 
-void paint_pictures(Scene& scene) {
+void add_room_textures(Scene& scene) {
   scene.textures = {
       brick_texture("ashlar", {0.87F, 0.79F, 0.65F}, {0.66F, 0.59F, 0.48F}, 4, 6, 41, 512),
       brick_texture("brick", {0.80F, 0.53F, 0.39F}, {0.76F, 0.70F, 0.62F}, 6, 14, 42, 512),
@@ -598,8 +598,8 @@ void add_cameras(Scene& scene) {
 /// least a quarter of its standard number of triangles, because it has many different parts.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish_court);
-  paint_pictures(scene);
+  Scene scene = build_to_size(options.triangles_or_default(kClass), furnish_court);
+  add_room_textures(scene);
   add_cameras(scene);
   Light sun;
   sun.kind = Light::Kind::kDirectional;

@@ -18,7 +18,7 @@ struct BuiltinInfo {
 /// Options with which a built-in scene is generated.
 struct BuiltinOptions {
   std::uint32_t triangles = 0;  ///< approximate number of triangles; 0: BuiltinInfo::triangles
-  std::uint32_t triangles_or(std::uint32_t of_class) const { return triangles == 0 ? of_class : triangles; }
+  std::uint32_t triangles_or_default(std::uint32_t of_class) const { return triangles == 0 ? of_class : triangles; }
 };
 
 std::vector<BuiltinInfo> builtin_scenes();

@@ -9,7 +9,7 @@ namespace traces {
 /// Builds the Cornell box, twice as wide as high. The camera is where the open front just fills a 2:1 picture.
 Scene build_cornell(const BuiltinOptions& options) {
   constexpr std::uint32_t kTriangles = 10'338;  // number of triangles with 16 and 18 cells
-  const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
+  const Detail detail = detail_for(options.triangles_or_default(kTriangles), kTriangles);
   const std::uint32_t wall_cells = detail.cell_count(16, 2), sphere_cells = detail.cell_count(18, 4);
   Scene scene;
   scene.name = "cornell";

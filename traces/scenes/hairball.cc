@@ -115,7 +115,7 @@ void add_lights(Scene& scene) {
 
 /// Builds a ball of hair: twelve bundles of strands in three colours, each bundle rotated differently.
 Scene build_hairball(const BuiltinOptions& options) {
-  const std::uint32_t triangles = options.triangles_or(kTriangles);
+  const std::uint32_t triangles = options.triangles_or_default(kTriangles);
   Scene scene;
   scene.name = "hairball";
   scene.background = {0.10F, 0.12F, 0.16F};

@@ -189,7 +189,7 @@ Texture make_checker() {
 
 Scene build_teapot(const BuiltinOptions& options) {
   constexpr std::uint32_t kTriangles = 14'792;  // number of triangles with 15 and 16 cells
-  const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
+  const Detail detail = detail_for(options.triangles_or_default(kTriangles), kTriangles);
   Scene scene;
   scene.name = "teapot";
   scene.textures.push_back(make_checker());

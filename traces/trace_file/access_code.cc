@@ -6,7 +6,7 @@ namespace traces {
 namespace {
 
 /// For each access of an item, counts how many accesses of its kind came before it.
-class Ranks {
+class AccessRanks {
  public:
   std::uint32_t next_rank(std::uint32_t kind) { return seen_[kind]++; }
 
@@ -88,7 +88,7 @@ void AccessWriter::write_launch(const TileWork& work, const WorkNode& launch, st
     for (const std::uint32_t s : shape_of_) to.write_number(s);
   }
   for (std::uint32_t item = 0; item < launch.items; ++item) {
-    Ranks ranks;
+    AccessRanks ranks;
     for (std::uint32_t a = begin_of(item); a < begin_of(item + 1); ++a) {
       write_access(work.accesses[a], ranks.next_rank(static_cast<std::uint32_t>(work.accesses[a].kind())), to);
     }
@@ -102,7 +102,7 @@ void AccessReader::read_shapes(ByteReader& from) {
   ranks_.clear();
   shape_begin_.assign(1, 0);
   for (std::uint32_t s = 0; s < shapes; ++s) {
-    Ranks ranks;
+    AccessRanks ranks;
     for (std::uint32_t left = from.read_number32(kMaxItemAccesses, "accesses of an item"); left > 0; --left) {
       const std::uint32_t kind = from.read_byte();
       if (kind >= kAccessKinds) ByteReader::throw_out_of_range("kind of an access");

@@ -74,7 +74,7 @@ FrameRequirements requirements_of_json(const Json& json) {
     const auto count = [&](const char* key) {
       return static_cast<std::uint32_t>(number_at(json.at("raster"), key, kMaxRasterRecords));
     };
-    d.raster = RasterDemands{count("vertices"), count("triangles"), count("entries")};
+    d.raster = RasterArraySizes{count("vertices"), count("triangles"), count("entries")};
   }
   return d;
 }

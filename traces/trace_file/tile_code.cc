@@ -96,7 +96,7 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
 
 /// Decodes the data of a rasteriser node, whose counts are in TileWork::raster. Throws InputError, without a file name,
 /// if the data exceed `demands`.
-void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode& node, TileWork& work) {
+void read_raster(ByteReader& from, const RasterArraySizes& demands, const WorkNode& node, TileWork& work) {
   const RasterWork& job = work.raster[node.raster];
   const bool bins = node.kind == WorkNode::Kind::kBin;
   if (job.runs > from.bytes_left() / 2) ByteReader::throw_out_of_range("runs of lists");
@@ -190,7 +190,7 @@ void check_imports(const TileWork& work) {
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
 constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses; rises by 8 per encoded byte
 
-enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
+enum WalkEncoding : std::uint32_t { kCompact = 0, kPlain = 1 };
 
 void append_words(const std::vector<std::uint32_t>& words, std::string& out) {
   const std::size_t before = out.size();

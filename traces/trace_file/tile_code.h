@@ -30,7 +30,7 @@ struct TileScope {
   ImageCounts counts;
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
-  std::optional<RasterDemands> raster{};     ///< present if the trace has a rasteriser
+  std::optional<RasterArraySizes> raster{};  ///< present if the trace has a rasteriser
   std::uint64_t tile_bytes = kMaxTileBytes;  ///< largest encoded size of the tile
 };
 

@@ -95,7 +95,7 @@ class FinishedTiles {
   /// Returns the number of samples in a row of the tile buffer: those of the halo at its left, followed by the tile's
   /// own.
   std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
-  std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
+  std::uint32_t buffer_sample_count() const { return row_pitch() * row_pitch(); }
   /// Returns the largest number of pixels whose final colours one tile computes.
   std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
   /// Sets in `out` the rectangle of the picture whose final colours a tile computes.

@@ -123,7 +123,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
     ClearBranch::Ports<float> ports;
     ports.lattice = tiles_.rect_sample_lattice(part.x, part.y, part.across);
     ports.lattice.first += static_cast<float>(b * records_per_layer());
-    ports.apart = position_count();
+    ports.apart = buffer_position_count();
     const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
     tile.graph.wait_for_all(cleared, last);
     last = cleared;
@@ -143,7 +143,7 @@ VisibleRayPorts<float>& ReconstructProgram::bind_rays(VisibleRayPorts<float>& po
 void ReconstructProgram::assign_samples_to_pixels(Tile& tile, std::uint32_t rays) const {
   if (!tile.wave.wave_tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
-    const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % position_count();
+    const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % buffer_position_count();
     const std::uint32_t x = tile.at.x + position % tiles_.row_pitch() - tiles_.halo_width();
     const std::uint32_t y = tile.at.y + position / tiles_.row_pitch() - tiles_.halo_width();
     for (std::uint32_t b = 0; b < layers_; ++b)
@@ -175,7 +175,7 @@ void ReconstructProgram::trace_unshaded_samples(Tile& tile, const PixelRect& par
   tile.buffer.reserve_wave(items);
   GenerateVisibleRays::Ports<float> ports;
   bind_rays(ports, tile, part);
-  ports.apart = static_cast<float>(position_count());
+  ports.apart = static_cast<float>(buffer_position_count());
   const Node generated = graph.launch<GenerateVisibleRays>(ports, items);
   assign_samples_to_pixels(tile, items);
   graph.register_record_writer(generated);
@@ -220,7 +220,7 @@ template <class K>
 void ReconstructProgram::bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const {
   ports.finished = tile.finished;
   ports.bend = bend_;
-  ports.apart = position_count();
+  ports.apart = buffer_position_count();
 }
 
 template <std::uint32_t kRadius>
@@ -237,7 +237,7 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
     ListBranches::Ports<float> list;
     list.finished = tile.finished;
     list.branch = layers_before;
-    list.apart = position_count();
+    list.apart = buffer_position_count();
     const Node listed = graph.launch<ListBranches>(list, tile.pixels);
     graph.wait_for_all(listed, last);
     last = listed;
@@ -283,7 +283,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrast_pixels(Tile& tile, N
   GenerateContrastRays::Ports<float> generate;
   bind_pixels(generate, tile);
   generate.finished = tile.finished;
-  generate.apart = static_cast<float>(position_count());
+  generate.apart = static_cast<float>(buffer_position_count());
   const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
   graph.wait_for_all(generated, listed);
   assign_samples_to_pixels(tile, rays);
@@ -294,7 +294,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrast_pixels(Tile& tile, N
 
   typename AverageContrasts<kBranches>::template Ports<float> average;
   average.finished = tile.finished;
-  average.apart = position_count();
+  average.apart = buffer_position_count();
   average.branch = records_per_layer();
   const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
   graph.wait_for_all(averaged, generated);
@@ -314,7 +314,7 @@ std::uint32_t ReconstructProgram::exchanged_bytes_per_sample() const {
 std::uint64_t ReconstructProgram::stored_bytes_per_tile() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
   return tiles_.stored_samples() * exchanged_bytes_per_sample() +
-         (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
+         (is_parked ? std::uint64_t{buffer_position_count()} * attribute_bytes() : 0);
 }
 
 /// Fills the halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile
@@ -383,7 +383,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
   sampling.traced_background = tile.out.background.size();
   const std::uint32_t stands_for = has_geometry() ? kWanted / kGeometrySamples : kWanted;
   for (const std::uint32_t sample : tile.out.background) {
-    const std::uint32_t position = sample % position_count();
+    const std::uint32_t position = sample % buffer_position_count();
     const bool is_own =
         position % tiles_.row_pitch() >= tiles_.halo_width() && position / tiles_.row_pitch() >= tiles_.halo_width();
     sampling.background += is_own ? stands_for : 0;
@@ -403,7 +403,7 @@ SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel)
   float left = 0, all = 0;
   const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
     const std::uint32_t first = layer_number * records_per_layer();
-    const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * position_count() + centre];
+    const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * buffer_position_count() + centre];
     if (!has_path_branch<float>(own)) return;
     const Similarity<float> similar(own, tile.buffer.filters.visible[first + shaded], bend_);
     edges |= (similar.depth > kHalved ? bits.depth : 0) | (similar.normal > kHalved ? bits.normal : 0) |

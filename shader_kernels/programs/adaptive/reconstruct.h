@@ -30,8 +30,8 @@ namespace kernels {
 /// shaded cast primary rays only.
 ///
 /// The light of the samples is divided into layers: layer 0 is the surface, then mirrored light, then refracted light.
-/// Sample k of layer b of the pixel at `position` of the tile buffer has index position + (4 b + k) x position_count().
-/// Shaded samples also have a colour.
+/// Sample k of layer b of the pixel at `position` of the tile buffer has index position + (4 b + k) x
+/// buffer_position_count(). Shaded samples also have a colour.
 class ReconstructProgram final : public FrameProgram {
  public:
   enum class Filters : std::uint8_t { kApart, kOne };
@@ -68,10 +68,10 @@ class ReconstructProgram final : public FrameProgram {
   bool filters_apart() const { return filters_ == Filters::kApart; }
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
-  std::uint32_t position_count() const { return tiles_.buffer_samples(); }
+  std::uint32_t buffer_position_count() const { return tiles_.buffer_sample_count(); }
   /// Returns the number of records in one layer of light. It is the distance from a sample's record to the record of
   /// the same sample in the next layer.
-  std::uint32_t records_per_layer() const { return kGeometrySamples * position_count(); }
+  std::uint32_t records_per_layer() const { return kGeometrySamples * buffer_position_count(); }
   /// Return the bytes per pixel, summed over all layers of light. shaded_sample_bytes(): records and colours of the
   /// shaded sample. unshaded_sample_bytes(): records of the other samples. attribute_bytes(): records of all samples.
   std::uint32_t shaded_sample_bytes() const;

@@ -73,7 +73,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   spill_attributes_to_dram(tile);
   // Compare each sub-pixel with the three pixels around its corner. Sum the centre colours of the inactive sub-pixels.
   const Node tested = test_pixels(tile);
-  const Node weighing = weigh_centres(tile, tested);
+  const Node weighing = add_inactive_subpixels(tile, tested);
   // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
   if (supersample_.propagate != 0) store_inactive_subpixels(tile);
   const Node averaged = sample_active_subpixels(tile, tested, weighing);
@@ -150,7 +150,7 @@ SupersampleProgram::Node SupersampleProgram::test_pixels(Tile& tile) const {
   return node;
 }
 
-SupersampleProgram::Node SupersampleProgram::weigh_centres(Tile& tile, Node tested) const {
+SupersampleProgram::Node SupersampleProgram::add_inactive_subpixels(Tile& tile, Node tested) const {
   return supersample_.filter == SubpixelFilter::kBilinear ? launch_weighing<true>(tile, tested)
                                                           : launch_weighing<false>(tile, tested);
 }

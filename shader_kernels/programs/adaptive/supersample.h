@@ -62,7 +62,7 @@ class PropagationState {
 /// is compared with the three pixels around its corner; if they differ, the sub-pixel is active and gets four more
 /// samples, those of full:16.
 ///
-///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to the frame buffer
+///   per tile: centres -> test_subpixels -> add_inactive_subpixels -> pack_colour -> transfer to the frame buffer
 ///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
 ///
 /// 1. Pixels read neighbours one pixel away, with tiles as in FinishedTiles.
@@ -118,7 +118,7 @@ class SupersampleProgram final : public FrameProgram {
   /// Bytes of a sample's records of its first hit and one secondary hit, without the colour.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
-  std::uint32_t centre_samples() const { return tiles_.buffer_samples(); }
+  std::uint32_t centre_samples() const { return tiles_.buffer_sample_count(); }
   std::uint32_t tile_pixels() const { return tiles_.most_pixels(); }
   std::uint64_t stored_bytes_per_tile() const;
   void begin_tile(const SampleTile& at, TileResult& out) const;
@@ -130,7 +130,7 @@ class SupersampleProgram final : public FrameProgram {
   std::array<float, kAttributes> attribute_thresholds() const;
   static std::size_t centre_sample_index(const Tile& tile, std::uint32_t pixel);
   Node test_pixels(Tile& tile) const;
-  Node weigh_centres(Tile& tile, Node tested) const;
+  Node add_inactive_subpixels(Tile& tile, Node tested) const;
   template <bool kBilinear>
   Node launch_weighing(Tile& tile, Node tested) const;
   void count_samples(Tile& tile) const;
@@ -159,7 +159,7 @@ class SupersampleProgram final : public FrameProgram {
   std::uint64_t subpixel_data_address(std::uint32_t tile) const;
   std::uint64_t newly_active_flag_address(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
-  static PropagationSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
+  static PropagationSubpixel load_propagation_subpixel(const Tile& tile, std::uint32_t subpixel);
   void store_inactive_subpixels(Tile& tile) const;
   void store_active_subpixels(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
   void write_subpixels(Tile& tile) const;

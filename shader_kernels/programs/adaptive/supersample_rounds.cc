@@ -138,7 +138,7 @@ void SupersampleProgram::store_active_subpixels(Tile& tile, const Chunk& chunk, 
 }
 
 /// Returns the colour and state of one of the tile's sub-pixels, from the tile buffer.
-PropagationSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
+PropagationSubpixel SupersampleProgram::load_propagation_subpixel(const Tile& tile, std::uint32_t subpixel) {
   const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
   const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
   const std::uint32_t pitch = 2 * tile.out.width + 2;
@@ -157,7 +157,7 @@ void SupersampleProgram::write_subpixels(Tile& tile) const {
   const Node noted = tile.graph.add_transfer(Region::kSamples, true, newly_active_flag_address(tile.at.index, 0), 1);
   tile.graph.wait_for_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
-    PropagationSubpixel shown = shown_subpixel(tile, i);
+    PropagationSubpixel shown = load_propagation_subpixel(tile, i);
     shown.is_background = tile.buffer.subpixels.traits[centre_sample_index(tile, i / 4)].object == kNoObject;
     tile.out.subpixels.push_back(shown);
   }
@@ -254,7 +254,7 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
   tile.out.sampling.propagated = subpixels;
   tile.out.sampling.traced = tile.out.sampling.correction = std::uint64_t{kExtra} * subpixels;
   for (std::uint32_t i = 0; i < subpixels; ++i)
-    tile.out.subpixels.push_back(shown_subpixel(tile, buffer.subpixels.active[i]));
+    tile.out.subpixels.push_back(load_propagation_subpixel(tile, buffer.subpixels.active[i]));
   write_corrected_pixels(tile, ports.masters_count.value, subpixels, round);
 }
 

@@ -83,7 +83,7 @@ void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
   }
 }
 
-void PostCorrection::apply_results(const Found& found) {
+void PostCorrection::apply_results(const SuspectResults& found) {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     const Suspect& s = fresh_[i];
     identities_[sample_index(s.x, s.y)] = found.identities[i];
@@ -291,7 +291,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
     list_suspect_samples(suspects, scratch, sample);
     trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
-    PostCorrection::Found found;
+    PostCorrection::SuspectResults found;
     for (const PostCorrection::Suspect& s : suspects) {
       const GeometryRecord<float>& geometry = scratch.buffer.samples.geometry[sample(s)];
       const std::uint32_t shown =

@@ -31,7 +31,7 @@ class PostCorrection {
     std::uint32_t x = 0, y = 0;
   };
   /// Results of tracing suspect samples (Suspect), in the order of the suspects.
-  struct Found {
+  struct SuspectResults {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< colours of the traced samples, clamped to [0, 1]
   };
@@ -68,7 +68,7 @@ class PostCorrection {
   std::uint32_t sample_index(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
   void begin_scan();
   void find_suspects(const Scan& scan, std::uint32_t step);
-  void apply_results(const Found& found);
+  void apply_results(const SuspectResults& found);
   void end_scan();
 
   const UndersampleConfig config_;

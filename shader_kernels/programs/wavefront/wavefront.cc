@@ -179,31 +179,31 @@ using Q = StageQueues;
 
 // Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by material class.
 constexpr auto kSeparate = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_surface_variant<ShadeSurface>, Waits::kBounce, kFetches},
-    {&Q::surfaces, launch<ClassifySurfaces>, Waits::kItem, kFillsQueues | kEndsSurfaces},
+    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, StageDependence::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kItem, kFillsQueues | kEndsSurfaces},
 });
 
 constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_surface_variant<ShadeSurface>, Waits::kBounce, kFetches},
-    {&Q::surfaces, launch<ClassifyDetails>, Waits::kItem, kFillsQueues | kOwnItemsOnly},
-    {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
-    {&Q::vertexed, launch_by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
-    {&Q::based, launch_by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
-    {&Q::bumped, launch_by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
-    {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
-    {&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues | kEndsSurfaces},
+    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, StageDependence::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifyDetails>, StageDependence::kItem, kFillsQueues | kOwnItemsOnly},
+    {&Q::absorbing, launch<Absorb>, StageDependence::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, StageDependence::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, StageDependence::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, StageDependence::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, StageDependence::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, StageDependence::kBounce, kFillsQueues},
+    {&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kInspector, kFillsQueues | kEndsSurfaces},
 });
 
 /// Stages for texture details, which run before the fused stage that lights surfaces.
 constexpr auto kFusedDetails = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_surface_variant<FetchSurface>, Waits::kBounce, kFillsQueues},
-    {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
-    {&Q::vertexed, launch_by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
-    {&Q::based, launch_by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
-    {&Q::bumped, launch_by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
-    {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
+    {&Q::surfaces, launch_by_instances_and_cones<FetchSurface>, StageDependence::kBounce, kFillsQueues},
+    {&Q::absorbing, launch<Absorb>, StageDependence::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, StageDependence::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, StageDependence::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, StageDependence::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, StageDependence::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, StageDependence::kBounce, kFillsQueues},
 });
 
 /// Fused stage that also adds ambient light and the first light, in two variants: for scenes without and with texture
@@ -213,47 +213,52 @@ struct LitStage {
 };
 constexpr LitStage lit_stage(Launch plain, Launch detailed, std::uint32_t effects) {
   const std::uint32_t all = kFillsQueues | kAddsColours | kCastsRays | effects;
-  return {{&Q::surfaces, plain, Waits::kBounce, all}, {&Q::surfaces, detailed, Waits::kBounce, all}};
+  return {{&Q::surfaces, plain, StageDependence::kBounce, all},
+          {&Q::surfaces, detailed, StageDependence::kBounce, all}};
 }
-constexpr LitStage kLit = lit_stage(launch_by_surface_variant<FetchLit>, launch<LightSurface>, kEndsSurfaces);
+constexpr LitStage kLit = lit_stage(launch_by_instances_and_cones<FetchLit>, launch<LightSurface>, kEndsSurfaces);
 constexpr LitStage kLitGeometry =
-    lit_stage(launch_by_surface_variant<FetchLitGeometry>, launch_by_instances<LightSurfaceGeometry>, kRecordsHits);
+    lit_stage(launch_by_instances_and_cones<FetchLitGeometry>, launch_by_instances<LightSurfaceGeometry>, kRecordsHits);
 constexpr LitStage kLitKept =
-    lit_stage(launch_by_surface_variant<FetchLitKept>, launch_by_instances<LightSurfaceKept>, kRecordsHits);
-constexpr LitStage kLitSecondary =
-    lit_stage(launch_by_surface_variant<FetchLitSecondary>, launch_by_instances<LightSurfaceSecondary>, kRecordsHits);
+    lit_stage(launch_by_instances_and_cones<FetchLitKept>, launch_by_instances<LightSurfaceKept>, kRecordsHits);
+constexpr LitStage kLitSecondary = lit_stage(launch_by_instances_and_cones<FetchLitSecondary>,
+                                             launch_by_instances<LightSurfaceSecondary>, kRecordsHits);
 constexpr LitStage kLitOpen =
-    lit_stage(launch_by_surface_variant<FetchLitOpen>, launch<LightSurfaceOpen>, kEndsSurfaces);
+    lit_stage(launch_by_instances_and_cones<FetchLitOpen>, launch<LightSurfaceOpen>, kEndsSurfaces);
 constexpr LitStage kLitSoft =
-    lit_stage(launch_by_surface_variant<FetchLitSoft>, launch<LightSurfaceSoft>, kEndsSurfaces);
-constexpr LitStage kLitOcclusion = lit_stage(launch_by_surface_variant<FetchLitOcclusion>,
+    lit_stage(launch_by_instances_and_cones<FetchLitSoft>, launch<LightSurfaceSoft>, kEndsSurfaces);
+constexpr LitStage kLitOcclusion = lit_stage(launch_by_instances_and_cones<FetchLitOcclusion>,
                                              launch<LightSurfaceOcclusion>, kEndsSurfaces | kCastsAmbientRays);
 
-constexpr WaveStage kReducedRate{&Q::surfaces, launch_by_surface_variant<FetchVisible>, Waits::kBounce,
+constexpr WaveStage kReducedRate{&Q::surfaces, launch_by_instances_and_cones<FetchVisible>, StageDependence::kBounce,
                                  kFillsQueues | kRecordsHits};
 
 // Stages that shade the sorted surfaces.
 
-constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, Waits::kInspector, kBaseColours};
+constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, StageDependence::kBounce, kAddsColours};
+constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, StageDependence::kInspector, kBaseColours};
 constexpr auto kEmission = std::to_array<WaveStage>({
-    {&Q::emissive, launch<ShadeEmission>, Waits::kBounce, kAddsColours},
-    {&Q::glowing, launch_by_mips<ShadeGlow>, Waits::kBounce, kAddsColours},
+    {&Q::emissive, launch<ShadeEmission>, StageDependence::kBounce, kAddsColours},
+    {&Q::glowing, launch_by_mips<ShadeGlow>, StageDependence::kBounce, kAddsColours},
 });
-constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kOcclusionTextures{&Q::occluded, launch_by_mips<ShadeOccluded>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, Waits::kBounce, kCastsRays | kCastsAmbientRays};
-constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, Waits::kBounce,
+constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, StageDependence::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionTextures{&Q::occluded, launch_by_mips<ShadeOccluded>, StageDependence::kBounce,
+                                       kAddsColours};
+constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, StageDependence::kBounce,
+                                   kCastsRays | kCastsAmbientRays};
+constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, StageDependence::kBounce,
                                           kAddsColours | kCastsRays};
-constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, Waits::kBounce, kCastsRays};
-constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, Waits::kBounce, kCastsRays};
+constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, StageDependence::kBounce, kAddsColours};
+constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, StageDependence::kBounce, kCastsRays};
+constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, StageDependence::kBounce, kCastsRays};
 
 // Stages for interpolated surfaces, whose shadows are already known.
 
-constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues};
-constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, Waits::kInspector, kFillsQueues};
-constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kInspector,
+                                      kFillsQueues};
+constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, StageDependence::kInspector,
+                                           kFillsQueues};
+constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, StageDependence::kBounce, kAddsColours};
 
 // Stages that emit the rays of the next wave.
 
@@ -268,15 +273,15 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
 /// Records the secondary hit whose ray has the largest weight in its sample. The weights of all rays are compared
 /// first, because the ray with the largest weight may hit nothing.
 template <bool kInstanced>
-Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
   wave.graph.wait_for_all(weighed, bounce.inspector);
   wave.graph.wait_for_all(weighed, wave.retained.cleared);
-  const Launched recorded = launch<RecordBranch<kInstanced>>(wave, bounce, in);
+  const LaunchResult recorded = launch<RecordBranch<kInstanced>>(wave, bounce, in);
   wave.graph.wait_for_all(recorded.node, weighed);
   return recorded;
 }
-Launched record_branches(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult record_branches(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   return wave.scene.image.has_two_levels() ? record_branch<true>(wave, bounce, in)
                                            : record_branch<false>(wave, bounce, in);
 }
@@ -448,16 +453,16 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
   if (queue.items == 0) return;
   RaySlots& shadow = wave_.buffer.rays.shadow;
   if (stage.has(kCastsRays)) shadow.reserve_slots(std::size_t{queue.items} + 1);
-  const Launched launched = stage.launch(wave_, bounce,
-                                         {.entries = queue.entries.data(),
-                                          .items = queue.items,
-                                          .lanes = stage.has(kOwnItemsOnly) ? 0 : bounce.lanes,
-                                          .light = light,
-                                          .ray = ray});
+  const LaunchResult launched = stage.launch(wave_, bounce,
+                                             {.entries = queue.entries.data(),
+                                              .items = queue.items,
+                                              .lanes = stage.has(kOwnItemsOnly) ? 0 : bounce.lanes,
+                                              .light = light,
+                                              .ray = ray});
   const Node node = launched.node;
-  if (stage.waits == Waits::kItem) graph_.wait_item_by_item(node, bounce.fetched);
-  if (stage.waits == Waits::kInspector) graph_.wait_for_all(node, bounce.inspector);
-  if (stage.waits == Waits::kBounce) wait_for_bounce(node, bounce);
+  if (stage.waits == StageDependence::kItem) graph_.wait_item_by_item(node, bounce.fetched);
+  if (stage.waits == StageDependence::kInspector) graph_.wait_for_all(node, bounce.inspector);
+  if (stage.waits == StageDependence::kBounce) wait_for_bounce(node, bounce);
   if (stage.has(kAddsColours)) graph_.register_colour_writer(node);
   if (stage.has(kFetches)) bounce.fetched = node;
   if (stage.has(kFillsQueues)) bounce.inspector = node;
@@ -589,7 +594,7 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   if (scene.occlusion_rays != 0) {
     keep_unoccluded(launch<ShadeAmbient>, 0);
     for (std::uint32_t ray = 0; ray < scene.occlusion_rays; ++ray) {
-      launch_visibility_ratio(bounce, launch<CastOcclusionShare>, {.ray = ray}, selected, scene.occlusion_share(),
+      trace_visible_fractions(bounce, launch<CastOcclusionShare>, {.ray = ray}, selected, scene.occlusion_share(),
                               layer);
     }
     ++layer;
@@ -604,7 +609,7 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
     }
     keep_unoccluded(launch<ShadeOpen>, light);
     for (std::uint32_t ray = 0; ray < scene.shadow_rays; ++ray) {
-      launch_visibility_ratio(bounce, launch<ShadeSoftShare>, {.light = light, .ray = ray}, selected,
+      trace_visible_fractions(bounce, launch<ShadeSoftShare>, {.light = light, .ray = ray}, selected,
                               scene.discs[light].share, layer);
     }
     ++layer;
@@ -612,7 +617,7 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
 }
 
 /// Emits effect rays from the selected samples, and adds the rays' results to the samples' visible fractions.
-void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
+void Wavefront::trace_visible_fractions(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
                                         float share, std::uint32_t layer) {
   TileBuffer& buffer = wave_.buffer;
   in.entries = buffer.checks.passed.entries.data();

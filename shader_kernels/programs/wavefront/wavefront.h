@@ -142,14 +142,14 @@ struct StageInput {
 };
 
 /// Result of a stage's launch: its node in the work graph, and the number of rays that it emitted.
-struct Launched {
+struct LaunchResult {
   TileGraph::Node node = TileGraph::kNone;
   std::uint32_t rays = 0;
 };
-using Launch = Launched (*)(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
+using Launch = LaunchResult (*)(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
 
 /// Which nodes of the work graph a stage waits for.
-enum class Waits : std::uint8_t {
+enum class StageDependence : std::uint8_t {
   kItem,       ///< waits item by item for the launch that fetched the surfaces
   kInspector,  ///< waits for the launch that filled the queues
   kBounce,     ///< waits for queues or base colours, all rays of the bounce, and the previous bounce
@@ -173,7 +173,7 @@ enum StageEffect : std::uint32_t {
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
-  Waits waits;
+  StageDependence waits;
   std::uint32_t effects = 0;
   constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
 };
@@ -275,7 +275,7 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
 
 /// Binds the ports of kernel K, or of each part of a fused kernel, and launches it.
 template <class K>
-Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult launch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   typename K::template Ports<float> ports;
   if constexpr (requires { K::for_each_part([]<class> {}); }) {
     K::for_each_part(
@@ -291,7 +291,7 @@ Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageIn
 
 /// Launches the variant of kernel K for the scene's mip filter.
 template <template <MipFilter> class K>
-Launched launch_by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult launch_by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   if (wave.scene.mips == MipFilter::kNone) return launch<K<MipFilter::kNone>>(wave, bounce, in);
   if (wave.scene.mips == MipFilter::kNearest) return launch<K<MipFilter::kNearest>>(wave, bounce, in);
   return launch<K<MipFilter::kLinear>>(wave, bounce, in);
@@ -299,13 +299,13 @@ Launched launch_by_mips(const WaveContext& wave, const WaveBounce& bounce, const
 
 /// Launches the variant of kernel K for scenes with instances or for those without.
 template <template <bool> class K>
-Launched launch_by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult launch_by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   return wave.scene.image.has_two_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
 }
 
 /// Launches the variant of kernel K for scenes with or without instances, and with or without ray cones (mip maps).
 template <template <bool, bool> class K>
-Launched launch_by_surface_variant(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+LaunchResult launch_by_instances_and_cones(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const bool has_cones = wave.scene.mips != MipFilter::kNone;
   if (wave.scene.image.has_two_levels()) {
     return has_cones ? launch<K<true, true>>(wave, bounce, in) : launch<K<true, false>>(wave, bounce, in);
@@ -385,7 +385,7 @@ class Wavefront {
     return wave_.retained.low_rate.are_low_rate && bounce.depth == 1;
   }
   void shade_low_rate_effects(WaveBounce& bounce);
-  void launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
+  void trace_visible_fractions(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 
   // Stages that record what samples keep.

@@ -155,7 +155,7 @@ TEST(CacheTags, KeepTheirOrderWhenTheirClockRestarts) {
     const bool here = fresh.probe(line);
     ASSERT_EQ(late.probe(line), here) << "probe " << n;
     if (here) continue;
-    const CacheTags::Filled a = fresh.fill_line(line), b = late.fill_line(line);
+    const CacheTags::FilledLine a = fresh.fill_line(line), b = late.fill_line(line);
     ASSERT_EQ(a.slot, b.slot);
     ASSERT_EQ(a.evicted, b.evicted);
   }

@@ -30,14 +30,14 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsWithWrapAround) {
 
 TEST(L2Store, DistinguishesPartialFromWholeLines) {
   L2Store store(four_lines());
-  EXPECT_EQ(store.look_up(64, 0b1), L2Store::Found::kNot);
+  EXPECT_EQ(store.look_up(64, 0b1), L2Store::LookupResult::kNot);
   store.allocate(64, 0b0011, 0b0001);
-  EXPECT_EQ(store.look_up(64, 0b0011), L2Store::Found::kAll);
-  EXPECT_EQ(store.look_up(64, 0b0110), L2Store::Found::kPart);
+  EXPECT_EQ(store.look_up(64, 0b0011), L2Store::LookupResult::kAll);
+  EXPECT_EQ(store.look_up(64, 0b0110), L2Store::LookupResult::kPart);
   EXPECT_EQ(store.write_sectors(64, 0b0101), 0b0001U) << "dirty before";
-  EXPECT_EQ(store.look_up(64, 0b0111), L2Store::Found::kAll);
+  EXPECT_EQ(store.look_up(64, 0b0111), L2Store::LookupResult::kAll);
   EXPECT_EQ(store.invalidate_line(64), 0b0101U) << "what is dirty";
-  EXPECT_EQ(store.look_up(64, 0b1), L2Store::Found::kNot);
+  EXPECT_EQ(store.look_up(64, 0b1), L2Store::LookupResult::kNot);
 }
 
 TEST(L2Store, ReturnsOnlyTheDirtySectorsOfAVictim) {

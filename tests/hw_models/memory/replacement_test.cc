@@ -20,7 +20,7 @@ CacheConfig cache(Replacement replacement, std::uint32_t ways, std::uint32_t set
 
 /// Fills line `n` into a cache with one set, and returns the evicted line.
 Addr victim_of(CacheTags& tags, Addr n) {
-  const CacheTags::Filled filled = tags.fill_line(64 * n);
+  const CacheTags::FilledLine filled = tags.fill_line(64 * n);
   EXPECT_TRUE(filled.evicts);
   return filled.evicted / 64;
 }

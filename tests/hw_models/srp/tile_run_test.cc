@@ -177,7 +177,7 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   tile.run.finish_items(each, 4);
   EXPECT_EQ(tile.next(), producer);
   EXPECT_EQ(tile.run.next_chunk_size(producer), 4U);
-  EXPECT_EQ(tile.run.working_items(producer, 4, 4), 2U) << "two work, two idle";
+  EXPECT_EQ(tile.run.non_idle_items(producer, 4, 4), 2U) << "two work, two idle";
   tile.run.finish_items(producer, 4);
   EXPECT_FALSE(tile.run.is_complete(producer));
   EXPECT_EQ(tile.next(), all) << "every item that works is finished";
@@ -186,7 +186,7 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   EXPECT_FALSE(tile.run.is_tile_complete());
   EXPECT_EQ(tile.next(), producer);
   EXPECT_EQ(tile.run.next_chunk_size(producer), 3U);
-  EXPECT_EQ(tile.run.working_items(producer, 8, 3), 0U);
+  EXPECT_EQ(tile.run.non_idle_items(producer, 8, 3), 0U);
   tile.run.finish_items(producer, 3);
   EXPECT_TRUE(tile.run.is_tile_complete());
 }

@@ -116,7 +116,7 @@ tools::DvfsCurve two_points(double slow_mj, double fast_mj, double idle_mw) {
 // There is only leakage, 100 mW at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms. Gated it is 0.03 x 100 mW x 10 ms.
 TEST(DvfsPoints, OfLeakageAloneRaceToIdle) {
   tools::DvfsCurve curve = two_points(2, 1, 3);
-  tools::choose_points(curve, 20);
+  tools::find_special_points(curve, 20);
   EXPECT_EQ(curve.energy_optimal, 1U);
   EXPECT_EQ(curve.race_to_idle, 1U);
   EXPECT_EQ(curve.least_a_period, 1U);
@@ -126,10 +126,10 @@ TEST(DvfsPoints, OfLeakageAloneRaceToIdle) {
 
 TEST(DvfsPoints, OfDynamicEnergyAloneAreAsSlowAsThePeriodAllows) {
   tools::DvfsCurve curve = two_points(1, 2, 0);
-  tools::choose_points(curve, 20);
+  tools::find_special_points(curve, 20);
   EXPECT_EQ(curve.energy_optimal, 0U);
   EXPECT_EQ(curve.least_a_period, 0U);
-  tools::choose_points(curve, 15);
+  tools::find_special_points(curve, 15);
   EXPECT_LT(curve.points[0].period_mj, 0) << "20 ms do not fit into 15";
   EXPECT_EQ(curve.least_a_period, 1U);
 }

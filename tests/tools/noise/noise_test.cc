@@ -26,23 +26,23 @@ TEST(NoiseOfPair, IsWhatTwoDrawsDifferByInNineteenOfTwentyPairs) {
   EXPECT_NEAR(replicate_noise({10, 200, 5}), 1.959964 * std::sqrt(2.0) * 5 / 200, 1e-6);
 }
 
-TEST(MeasuredFigure, OfTwoRunsOfOneDesignDiffersByTheAssumedNoise) {
-  const MeasuredFigure run{100, {}, 0.02};
+TEST(MeasuredMetric, OfTwoRunsOfOneDesignDiffersByTheAssumedNoise) {
+  const MeasuredMetric run{100, {}, 0.02};
   const MeanDifference d = difference_of(run, run);
   EXPECT_EQ(d.value, 0);
   EXPECT_NEAR(d.half_width(), 2, 1e-9);
 }
 
-TEST(MeasuredFigure, HasTheErrorOfItsReplicatesOrOfWhatIsAssumed) {
-  const MeasuredFigure measured{100, Draws{4, 100, 6}}, assumed{100, {}, 0.02}, exact{100};
+TEST(MeasuredMetric, HasTheErrorOfItsReplicatesOrOfWhatIsAssumed) {
+  const MeasuredMetric measured{100, Draws{4, 100, 6}}, assumed{100, {}, 0.02}, exact{100};
   EXPECT_DOUBLE_EQ(measured.standard_error(), 3);
   EXPECT_NEAR(measured.half_width(), 3 * 3.182446, 1e-5) << "Student, three degrees of freedom";
   EXPECT_NEAR(assumed.standard_error(), 2 / (1.959964 * std::sqrt(2.0)), 1e-6);
   EXPECT_EQ(exact.standard_error(), 0);
 }
 
-TEST(MeasuredFigure, OfOneSideWithReplicatesIsHeldAgainstTheOther) {
-  const MeasuredFigure measured{100, Draws{4, 100, 6}}, assumed{110, {}, 0.02};
+TEST(MeasuredMetric, OfOneSideWithReplicatesIsHeldAgainstTheOther) {
+  const MeasuredMetric measured{100, Draws{4, 100, 6}}, assumed{110, {}, 0.02};
   const MeanDifference d = difference_of(measured, assumed);
   EXPECT_EQ(d.value, 10);
   EXPECT_NEAR(d.error, std::hypot(3, assumed.standard_error()), 1e-12);

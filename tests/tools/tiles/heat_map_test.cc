@@ -25,7 +25,7 @@ Rgb pixel(const DrawnMap& drawn, std::uint32_t x, std::uint32_t y) {
 struct HeatMapsOf : testing::TestWithParam<const char*> {
   const Inputs inputs = small_inputs({"render.tile=16"});
   const FrameResult s = itemised(inputs, GetParam());
-  const TileFrame tiles = compute_tile_figures(s, inputs.config, 0);
+  const TileFrame tiles = compute_tile_table(s, inputs.config, 0);
   std::map<std::string, HeatMap> maps;
   void SetUp() override {
     for (HeatMap& map : heat_maps(s, tiles, 48, 24)) maps.emplace(map.name, std::move(map));
@@ -74,7 +74,7 @@ TEST(HeatMap, IsDrawnFromNothingToTheMostAboveItsBar) {
   map.values[302] = 35;
   const DrawnMap drawn = draw_heat_map(map);
   const std::vector<float> scale = {0, 0.5F, 1};
-  const Rgb colours = traces::map_colours("viridis", scale);
+  const Rgb colours = traces::apply_colour_map("viridis", scale);
   const auto colour = [&](std::ptrdiff_t i) { return Rgb(colours.begin() + 3 * i, colours.begin() + 3 * i + 3); };
   EXPECT_EQ(pixel(drawn, 0, 0), colour(0));
   EXPECT_EQ(pixel(drawn, 1, 1), colour(2));
@@ -90,7 +90,7 @@ TEST(HeatMap, IsDrawnFromNothingToTheMostAboveItsBar) {
 TEST(HeatMap, HasTheColoursThatItsMapDefines) {
   const std::vector<float> ends = {0, 1};
   const auto near = [&](const char* map, const Rgb& wanted) {
-    const Rgb colours = traces::map_colours(map, ends);
+    const Rgb colours = traces::apply_colour_map(map, ends);
     ASSERT_EQ(colours.size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(colours[i], wanted[i], 2) << map << " " << i;
   };

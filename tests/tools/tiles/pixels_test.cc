@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, PixelsOf,
 
 TEST_P(PixelsOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
   const FrameResult s = itemised(inputs_, GetParam());
-  const TileFrame frame = compute_tile_figures(s, inputs_.config, 0);
+  const TileFrame frame = compute_tile_table(s, inputs_.config, 0);
   ASSERT_EQ(s.rendered.pixels.size(), std::size_t{kWidth} * kHeight);
   EXPECT_EQ(sums(s.rendered.pixels), (Sums{s.rays(), s.rendered.traversal_steps, total(frame, "tests")}));
   const FrameResult other = itemised(inputs_, GetParam(), 4);
@@ -67,7 +67,7 @@ TEST(Pixels, OfATileSumToIt) {
   const Inputs inputs = small_inputs({"render.tile=16"});
   for (const char* program : {"full:1", "full:4"}) {
     const FrameResult s = itemised(inputs, program);
-    const TileFrame frame = compute_tile_figures(s, inputs.config, 0);
+    const TileFrame frame = compute_tile_table(s, inputs.config, 0);
     for (std::size_t i = 0; i < frame.rows(); ++i) {
       Sums of_tile;
       for (double y = frame.at("y")[i]; y < frame.at("y")[i] + frame.at("height")[i]; ++y) {

@@ -72,7 +72,7 @@ TEST(TilesOfRandomMachines, SumToTheirTotalsAndChangeNothing) {
     const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
     const hw::test::Outcome b{s.units, s.kernel_use, {}, s.elapsed, s.cycles};
     EXPECT_EQ(difference(a, b), "") << "machine " << seed;
-    const TileFrame frame = compute_tile_figures(s, inputs.config, 0);
+    const TileFrame frame = compute_tile_table(s, inputs.config, 0);
     EXPECT_EQ(frame.rows(), 8U);
     expect_sums(s, frame);
     expect_honest_rest(s, inputs, frame);
@@ -92,16 +92,16 @@ INSTANTIATE_TEST_SUITE_P(Programs, TilesOf,
 TEST_P(TilesOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
   const Inputs inputs = small_inputs({"render.tile=16", "supersample.propagate=1"});
   const FrameResult s = itemised(inputs, GetParam());
-  const TileFrame frame = compute_tile_figures(s, inputs.config, 0);
+  const TileFrame frame = compute_tile_table(s, inputs.config, 0);
   expect_sums(s, frame);
   expect_honest_rest(s, inputs, frame);
-  const TileTable one{{frame}}, three{{compute_tile_figures(itemised(inputs, GetParam(), 3), inputs.config, 0)}};
+  const TileTable one{{frame}}, three{{compute_tile_table(itemised(inputs, GetParam(), 3), inputs.config, 0)}};
   EXPECT_EQ(tiles_text(one), tiles_text(three));
 }
 
 TEST_P(TilesOf, EachProgramCoverThePicture) {
   const Inputs inputs = small_inputs({"render.tile=16", "supersample.propagate=1"});
-  const TileFrame frame = compute_tile_figures(itemised(inputs, GetParam()), inputs.config, 0);
+  const TileFrame frame = compute_tile_table(itemised(inputs, GetParam()), inputs.config, 0);
   const std::size_t passes = 1 + static_cast<std::size_t>(std::ranges::max(frame.at("pass")));
   std::vector<std::size_t> covered(std::size_t{48} * 24);
   for (std::size_t i = 0; i < frame.rows(); ++i) {
@@ -117,7 +117,7 @@ TEST_P(TilesOf, EachProgramCoverThePicture) {
 TEST(Tiles, AreInFlightWhileTheyAreWorkedOn) {
   const Inputs inputs = small_inputs({"render.tile=8", "cores=2"});
   const FrameResult s = itemised(inputs);
-  const TileFrame frame = compute_tile_figures(s, inputs.config, 0);
+  const TileFrame frame = compute_tile_table(s, inputs.config, 0);
   std::vector<double> cores = frame.at("core");
   std::ranges::sort(cores);
   EXPECT_EQ(cores.front(), 0);
@@ -133,7 +133,7 @@ TEST(Tiles, AreInFlightWhileTheyAreWorkedOn) {
 
 TEST(Tiles, OfOneTileHaveAllThatAnybodyAskedFor) {
   const Inputs inputs = small_inputs({"render.tile=8", "cores=1"}, "8x8");
-  const TileFrame frame = compute_tile_figures(itemised(inputs), inputs.config, 0);
+  const TileFrame frame = compute_tile_table(itemised(inputs), inputs.config, 0);
   ASSERT_EQ(frame.rows(), 1U);
   for (const char* column : {"srp_cycles", "steps", "tests", "bytes_nodes", "bytes_shading", "dram_bytes"}) {
     EXPECT_EQ(frame.at(column)[0], frame.find(column)->total) << column;

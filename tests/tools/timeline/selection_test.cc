@@ -54,7 +54,7 @@ void expect_known(const std::string& program, const std::vector<std::string>& se
   std::vector<std::string> all = {"render.tile=16", "scene.triangles=100"};
   all.insert(all.end(), sets.begin(), sets.end());
   const Inputs inputs = small_inputs(all);
-  const TileFrame tiles = compute_tile_figures(itemised(inputs, program.c_str()), inputs.config, 0);
+  const TileFrame tiles = compute_tile_table(itemised(inputs, program.c_str()), inputs.config, 0);
   const kernels::TileGridSize counts = tile_grid_size(inputs, kernels::parse_program(program));
   EXPECT_EQ(counts.columns, distinct(tiles.at("x"))) << program;
   EXPECT_EQ(counts.rows, distinct(tiles.at("y"))) << program;

@@ -22,7 +22,7 @@ struct Recorded {
   Inputs inputs = small_inputs({"render.tile=16", "cores=2"});
   TimelineRecorder recorder{2};
   FrameResult s = simulate_frame(inputs, {}, 1, {.itemised = true, .observer = &recorder});
-  TileFrame tiles = compute_tile_figures(s, inputs.config, 0);
+  TileFrame tiles = compute_tile_table(s, inputs.config, 0);
 
   Timeline make(const std::string& asked, std::uint64_t most_bytes = kMostTimelineBytes) const {
     return make_timeline(recorder, parse_timeline(asked), s, tiles, inputs.config, most_bytes);

@@ -205,7 +205,7 @@ TEST(Rasteriser, HasEveryEntryOfItsListsInOneBatchesRuns) {
   const PictureCamera camera = straight_ahead(64, 64);
   const Rasteriser rasteriser(image_of(all), camera, {.batch = 64}, 16);
   EXPECT_EQ(rasteriser.batch_count(), 10U);
-  std::vector<int> written(rasteriser.raster_demands().entries);
+  std::vector<int> written(rasteriser.raster_array_sizes().entries);
   std::uint64_t listed = 0;
   for (std::uint32_t batch = 0; batch < rasteriser.batch_count(); ++batch) {
     Seen seen;

@@ -33,15 +33,15 @@ TEST(RasterCode, IsRefusedInAFrameWithoutRasteriser) {
 }
 
 TEST(RasterCode, IsRefusedWithReferencesOutsideTheFrame) {
-  const auto without = [](const std::function<void(RasterDemands&)>& change) {
+  const auto without = [](const std::function<void(RasterArraySizes&)>& change) {
     TileScope scope = tiny_raster();
     change(*scope.raster);
     return complaint(tile_of_raster(), scope);
   };
-  EXPECT_EQ(without([](RasterDemands&) {}), "no error");
-  EXPECT_EQ(without([](RasterDemands& d) { d.vertices = 8; }), "vertex of a triangle is out of range");
-  EXPECT_EQ(without([](RasterDemands& d) { d.triangles = 4; }), "number of a triangle is out of range");
-  EXPECT_EQ(without([](RasterDemands& d) { d.entries = 7; }), "a list of triangles is out of range");
+  EXPECT_EQ(without([](RasterArraySizes&) {}), "no error");
+  EXPECT_EQ(without([](RasterArraySizes& d) { d.vertices = 8; }), "vertex of a triangle is out of range");
+  EXPECT_EQ(without([](RasterArraySizes& d) { d.triangles = 4; }), "number of a triangle is out of range");
+  EXPECT_EQ(without([](RasterArraySizes& d) { d.entries = 7; }), "a list of triangles is out of range");
 }
 
 TEST(RasterCode, IsRefusedWithContradictoryCounts) {

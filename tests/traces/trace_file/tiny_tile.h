@@ -130,7 +130,7 @@ inline TileWork tile_of_levels() {
 
 inline TileScope tiny_raster() {
   TileScope scope = tiny_scope();
-  scope.raster = RasterDemands{9, 5, 8};
+  scope.raster = RasterArraySizes{9, 5, 8};
   return scope;
 }
 

@@ -89,7 +89,7 @@ namespace {
 void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene,
                const std::vector<std::string>& sets) {
   sim::set_config_search_path(config_folders());
-  loader.choose_bundles(sets);
+  loader.read_bundle_choices(sets);
   loader.apply_file(find_config(name));
   if (const std::optional<std::filesystem::path> workload = find_workload(scene)) {
     apply_workload(loader, config, *workload);
@@ -98,8 +98,8 @@ void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& 
 
 /// Applies --set and other options to a configuration and checks the result. `origin`: name of the configuration in
 /// errors.
-void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options,
-                const std::string& origin) {
+void apply_options_and_check(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config,
+                             const JobOptions& options, const std::string& origin) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
   if (!options.scene.empty() && !find_workload(options.scene)) {
     check_scene_name(options.scene);
@@ -210,7 +210,7 @@ RunConfig load_run_config(const JobOptions& options) {
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
   load_base(loader, config, options.config, options.scene, options.sets);
-  apply_rest(loader, tree, config, options, find_config(options.config).string());
+  apply_options_and_check(loader, tree, config, options, find_config(options.config).string());
   return config;
 }
 
@@ -233,7 +233,7 @@ ConfigVariants::ConfigVariants(RunConfig base, std::string origin)
 const RunConfig& ConfigVariants::apply(const JobOptions& options) {
   variant_.reset();
   sim::ConfigLoader loader(tree_);
-  apply_rest(loader, tree_, config_, options, origin_);
+  apply_options_and_check(loader, tree_, config_, options, origin_);
   return config_;
 }
 
@@ -347,11 +347,12 @@ std::vector<std::string> latency_warnings(const RunConfig& config) {
   for (const Cache& c : automatic_caches(read)) {
     const sim::EnergyCurve& curve = curve_of(table, c.path);
     const std::uint64_t bytes = c.cache.size.bytes;
-    if (bytes >= curve.least_bytes() && bytes <= curve.most_bytes()) continue;
+    if (bytes >= curve.smallest_array_bytes() && bytes <= curve.largest_array_bytes()) continue;
     const auto size = [](std::uint64_t b) { return sim::quantity_text(b, sim::byte_units()); };
-    lines.push_back(fmt::format(
-        "latency.arrays: {} has {}, outside {} to {} of {}, and its hit_cycles of {} are extrapolated", c.path,
-        size(bytes), size(curve.least_bytes()), size(curve.most_bytes()), kCurve, c.cache.hit_cycles.value));
+    lines.push_back(
+        fmt::format("latency.arrays: {} has {}, outside {} to {} of {}, and its hit_cycles of {} are extrapolated",
+                    c.path, size(bytes), size(curve.smallest_array_bytes()), size(curve.largest_array_bytes()), kCurve,
+                    c.cache.hit_cycles.value));
   }
   return lines;
 }

@@ -153,7 +153,7 @@ std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool
   // Kernels that no tile uses get no schedule: scheduling would dominate the time.
   hw::Gpu::Workload workload{
       .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
-  if (rasterises) workload.needs.raster = traces::RasterDemands{};
+  if (rasterises) workload.needs.raster = traces::RasterArraySizes{};
   return std::make_unique<hw::Gpu>(config, workload, tiles)->unit_reports();
 }
 

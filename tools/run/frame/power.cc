@@ -99,9 +99,9 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
           domain.name, clock_text(hz), volt, config.power.max_voltage, sim::printable(config.power.process)));
     }
     if (config.power.voltage == sim::Voltage::kDvfs) {
-      if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
+      if (hz >= curve.lowest_hz() && hz <= curve.highest_hz()) continue;
       lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; {:.4g} V is assumed", domain.name,
-                                  clock_text(hz), clock_text(curve.least_hz()), clock_text(curve.most_hz()), volt));
+                                  clock_text(hz), clock_text(curve.lowest_hz()), clock_text(curve.highest_hz()), volt));
     } else if (std::abs(volt - nominal) > kVoltRounding * nominal) {
       lines.push_back(
           fmt::format("power.dvfs: clocks.{} of {} needs {:.4g} V, but energies are for {:.4g} V, the voltage of "

@@ -41,7 +41,7 @@ using sim::Json;
 
 /// The measured result of one run of a suite.
 struct Measured {
-  Facts facts;
+  RunInputs facts;
   Values all;          ///< all numbers of the run's report, except those of replicates
   StoredDraws draws;   ///< statistics over replicates; empty without replicates
   std::string error;   ///< reason that there is no report; empty if there is one
@@ -229,7 +229,7 @@ void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::set<std::string> kinds;
   for (const std::string& path : paths) kinds.insert(remove_digits(path));
   const std::vector<std::string> known(kinds.begin(), kinds.end());
-  for (const Kept& kept : suite.kept) {
+  for (const KeepEntry& kept : suite.kept) {
     if (is_known(kept.text, known)) continue;
     if (const std::string nearest = nearest_path_end(kept.text, paths); !nearest.empty()) {
       throw sim::InputError(fmt::format("{}: keep: there is no report path '{}', did you mean '{}'?", kept.at,
@@ -254,7 +254,7 @@ class KeptPaths {
     for (const auto& [path, value] : all) paths.push_back(path);
     std::vector<Chosen> out;
     std::map<std::string, std::size_t> index_of;
-    for (const Kept& kept : suite_.kept) {
+    for (const KeepEntry& kept : suite_.kept) {
       for (std::string& path : paths_of(kept, paths)) {
         found_.insert(kept.text);
         const auto [at, is_new] = index_of.emplace(path, out.size());
@@ -267,19 +267,19 @@ class KeptPaths {
   void refuse_absent_paths(const Values& all) const {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
-    for (const Kept& kept : suite_.kept) {
+    for (const KeepEntry& kept : suite_.kept) {
       if (found_.contains(kept.text)) continue;
       add_place_to_errors(kept, [&] { resolve_report_path(kept.text, paths); });
     }
   }
 
  private:
-  static std::vector<std::string> paths_of(const Kept& kept, const std::vector<std::string>& paths) {
+  static std::vector<std::string> paths_of(const KeepEntry& kept, const std::vector<std::string>& paths) {
     std::vector<std::string> out;
     add_place_to_errors(kept, [&] { out = report_path_group(kept.text, paths); });
     return out;
   }
-  static void add_place_to_errors(const Kept& kept, const std::function<void()>& call) {
+  static void add_place_to_errors(const KeepEntry& kept, const std::function<void()>& call) {
     try {
       call();
     } catch (const sim::InputError& error) {
@@ -314,7 +314,7 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
 /// Returns the reasons why new values cannot be compared with stored ones, such as another scene or program. `was`,
 /// `is`: inputs of the stored and the new run; `embree`: version that built the stored tree. Adds to `keys` the changed
 /// keys that do not prevent a comparison.
-std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
+std::vector<std::string> find_refusals(const RunInputs& was, const std::string& embree, const RunInputs& is,
                                        ChangedKeys& keys) {
   std::vector<std::string> out;
   if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
@@ -534,7 +534,7 @@ double tni_cycles_per_cycle(const Values& values, std::string_view unit) {
 }
 
 /// Time that units of a kind spent for one cycle reason, in the old and the new run.
-struct Move {
+struct ReasonTimeChange {
   std::string_view unit;
   std::string reason;
   sim::ReasonKind kind;
@@ -542,8 +542,8 @@ struct Move {
   double difference() const { return is - was; }
 };
 
-std::vector<Move> reason_time_changes(const Values& was, const Values& is) {
-  std::vector<Move> out;
+std::vector<ReasonTimeChange> reason_time_changes(const Values& was, const Values& is) {
+  std::vector<ReasonTimeChange> out;
   for (const auto& [unit, declared] : hw::kUnitKinds) {
     const std::string prefix = fmt::format("units.{}.why.", unit);
     std::set<std::string> reasons;
@@ -644,18 +644,18 @@ std::string moved_text(const Values& was, const Values& is, std::string_view uni
 }
 
 /// The change of a unit's own working time between two runs, and the cycle reason that changed most.
-struct Own {
+struct WorkTimeChange {
   std::string_view unit;
   double difference = 0;
-  const Move* most = nullptr;
+  const ReasonTimeChange* most = nullptr;
 };
 
-std::vector<Own> work_changes(const std::vector<Move>& moves) {
-  std::vector<Own> out;
-  for (const Move& move : moves) {
+std::vector<WorkTimeChange> work_changes(const std::vector<ReasonTimeChange>& moves) {
+  std::vector<WorkTimeChange> out;
+  for (const ReasonTimeChange& move : moves) {
     if (move.kind != sim::ReasonKind::kWorking || move.difference() == 0) continue;
     if (out.empty() || out.back().unit != move.unit) out.push_back({move.unit, 0, &move});
-    Own& own = out.back();
+    WorkTimeChange& own = out.back();
     own.difference += move.difference();
     if (std::abs(move.difference()) > std::abs(own.most->difference())) own.most = &move;
   }
@@ -668,13 +668,14 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   const auto units = was.lower_bound("units.");
   if (units == was.end() || !units->first.starts_with("units."))
     return std::nullopt;  // the suite does not keep counters of units
-  const std::vector<Move> moves = reason_time_changes(was, is);
-  const std::vector<Own> owns = work_changes(moves);
+  const std::vector<ReasonTimeChange> moves = reason_time_changes(was, is);
+  const std::vector<WorkTimeChange> owns = work_changes(moves);
   constexpr double kNoticeable = 0.1;  // a change counts from this share of the largest change on; chosen by hand
   const double cycles = std::abs(value_or_zero(is, "totals.cycles") - value_or_zero(was, "totals.cycles"));
   double all = 0;
-  for (const Own& own : owns) all += std::abs(own.difference);
-  const auto most = std::ranges::max_element(owns, {}, [](const Own& own) { return std::abs(own.difference); });
+  for (const WorkTimeChange& own : owns) all += std::abs(own.difference);
+  const auto most =
+      std::ranges::max_element(owns, {}, [](const WorkTimeChange& own) { return std::abs(own.difference); });
   const double own = most == owns.end() ? 0 : std::abs(most->difference);
 
   const std::vector<TrafficPath> counted = timed_memory_paths(was, is);
@@ -690,10 +691,10 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
         on_way / (on_way + all + std::abs(queue_time(is) - queue_time(was)))};
   }
   double waited = 0;
-  for (const Move& move : moves) {
+  for (const ReasonTimeChange& move : moves) {
     if (move.kind == sim::ReasonKind::kWaiting) waited = std::max(waited, std::abs(move.difference()));
   }
-  for (const Move& move : moves) {
+  for (const ReasonTimeChange& move : moves) {
     if (move.kind != sim::ReasonKind::kWaiting || waited == 0 || std::abs(move.difference()) < waited / 2) continue;
     return LocatedRegression{std::string(move.unit), moved_text(was, is, move.unit, move.reason),
                              waited / (waited + all)};
@@ -702,10 +703,10 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
 }
 
 std::optional<LocatedRegression> largest_change_in_unit(std::string_view unit, const Values& was, const Values& is) {
-  const std::vector<Move> moves = reason_time_changes(was, is);
-  const Move* most = nullptr;
+  const std::vector<ReasonTimeChange> moves = reason_time_changes(was, is);
+  const ReasonTimeChange* most = nullptr;
   double own = 0, all = 0;  // change of the unit's working time, and of all units' working time
-  for (const Move& move : moves) {
+  for (const ReasonTimeChange& move : moves) {
     const bool is_work = move.kind == sim::ReasonKind::kWorking, is_inside = is_part_of(move.unit, unit);
     const double size = std::abs(move.difference());
     if (is_work) all += size;

@@ -11,7 +11,7 @@
 namespace tools {
 
 /// An entry of the list `keep` in a suite: report values that are stored for each run.
-struct Kept {
+struct KeepEntry {
   std::string text;    ///< path of a value, its unambiguous end, or a group of values
   double percent = 0;  ///< tolerance of a check, in percent of the stored value
   std::string at;      ///< position of the entry: "file:line:column"
@@ -26,7 +26,7 @@ struct SuiteRun {
 struct Suite {
   std::filesystem::path file;
   std::filesystem::path values;  ///< file of the stored values
-  std::vector<Kept> kept;
+  std::vector<KeepEntry> kept;
   std::vector<SuiteRun> runs;
   std::string suite_name() const { return file.stem().string(); }
 };
@@ -36,7 +36,7 @@ Suite load_suite(const std::filesystem::path& file);
 
 /// The inputs of a run. To compare values of two runs, all must be equal except configuration keys that change only
 /// timing.
-struct Facts {
+struct RunInputs {
   std::string program, scene_sha256, bvh_hash;
   FlatConfig config;  ///< configuration by key; without the scene's name, because the file may be moved
 };
@@ -47,7 +47,7 @@ using Values = std::map<std::string, double>;
 using StoredDraws = std::map<std::string, Draws>;
 
 struct StoredRun {
-  Facts facts;
+  RunInputs facts;
   Values values;
   StoredDraws draws;  ///< statistics over replicates; empty if recorded without them
 };

@@ -67,9 +67,9 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
 
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
   const auto seen = [&](const Draws& plays) {
-    return plays.count > 1 ? MeasuredFigure{plays.mean, plays} : MeasuredFigure{plays.mean, {}, found.assumed_noise};
+    return plays.count > 1 ? MeasuredMetric{plays.mean, plays} : MeasuredMetric{plays.mean, {}, found.assumed_noise};
   };
-  const MeasuredFigure plain = seen(found.plays), ideal = seen(bound.plays);
+  const MeasuredMetric plain = seen(found.plays), ideal = seen(bound.plays);
   const MeanDifference saved = difference_of(ideal, plain);
   return {plain.value / ideal.value, saved.half_width() / ideal.value, std::abs(saved.value) > saved.half_width()};
 }

@@ -101,11 +101,11 @@ SetRow evaluate_row(std::string name, const SetMetric& metric, const MatchedRuns
     std::vector<sweep::WorkloadValue> values;
     for (std::size_t w = 0; w < runs.size(); ++w) {
       values.push_back({matched.workloads[w], {}});
-      if (runs[w]->has(metric.path)) values.back().seen = results::seen_figure(*runs[w], metric.path);
+      if (runs[w]->has(metric.path)) values.back().seen = results::read_noisy_metric(*runs[w], metric.path);
     }
     return sweep::evaluate_set_metric(metric, values, larger);
   };
-  const std::optional<MeasuredFigure> of_a = evaluate(matched.a), of_b = evaluate(matched.b);
+  const std::optional<MeasuredMetric> of_a = evaluate(matched.a), of_b = evaluate(matched.b);
   SetRow row{std::move(name), {}, {}};
   if (of_a) row.a = of_a->value;
   if (of_b) row.b = of_b->value;

@@ -53,7 +53,7 @@ DvfsPoint dvfs_point_of(double factor, const RunConfig& config, const FrameResul
 
 }  // namespace
 
-void choose_points(DvfsCurve& curve, double period_ms) {
+void find_special_points(DvfsCurve& curve, double period_ms) {
   curve.period_ms = period_ms;
   curve.energy_optimal = curve.race_to_idle = curve.least_a_period = 0;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
@@ -108,7 +108,7 @@ class ClockScan {
 
 }  // namespace
 
-std::vector<double> factors_to_try(const DvfsCurve& curve) {
+std::vector<double> next_clock_factors(const DvfsCurve& curve) {
   std::vector<double> out;
   const auto meets = [&](std::size_t i) { return curve.points[i].period_mj >= 0; };
   for (std::size_t i = 1; i < curve.points.size(); ++i) {
@@ -141,10 +141,10 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   double slowest = 0;
   for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
   const double fps = options.fps > 0 ? options.fps : inputs.config.frame.fps;
-  const auto choose = [&] { choose_points(curve, fps > 0 ? 1000 / fps : slowest); };
+  const auto choose = [&] { find_special_points(curve, fps > 0 ? 1000 / fps : slowest); };
   choose();
   if (fps > 0 && curve.points[curve.least_a_period].period_mj >= 0) {
-    for (std::vector<double> more; !(more = factors_to_try(curve)).empty(); choose()) scan.add_points(more, curve);
+    for (std::vector<double> more; !(more = next_clock_factors(curve)).empty(); choose()) scan.add_points(more, curve);
     const auto met = std::ranges::find_if(curve.points, [](const DvfsPoint& p) { return p.period_mj >= 0; });
     curve.slowest_met = static_cast<std::size_t>(met - curve.points.begin());
   }

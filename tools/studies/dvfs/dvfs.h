@@ -47,12 +47,12 @@ struct DvfsCurve {
 };
 
 /// Computes the energy per period of all points. Sets the indices energy_optimal, race_to_idle and least_a_period.
-void choose_points(DvfsCurve& curve, double period_ms);
+void find_special_points(DvfsCurve& curve, double period_ms);
 
 /// Returns the next clock factors to simulate, halfway between neighbouring points of the curve. They refine the
 /// slowest point that meets the target period and the point with the least energy per period. Empty if both clocks are
 /// known to 0.5 %. At least one point must meet the period.
-std::vector<double> factors_to_try(const DvfsCurve& curve);
+std::vector<double> next_clock_factors(const DvfsCurve& curve);
 
 /// Records the first frame once and simulates it with its clocks multiplied by each factor. A target frame rate adds
 /// points until two clocks are known to 0.5 %: the slowest that meet the rate, and those with the least energy per

@@ -121,7 +121,7 @@ kernels::Graph copy_kernel(std::uint32_t record_bytes) {
 }
 
 /// Returns the cycles per loop item that a kernel loses to bank conflicts. Simulates each access of many loop items.
-double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
+double count_bank_conflicts(const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
   struct Access {
     std::uint64_t first_word, words, start;
     const GraphNode* constant;
@@ -172,7 +172,7 @@ Findings measure_conflicts(const hw::SrpConfig& srp) {
     for (std::uint32_t banks = 1; banks <= 64; banks *= 2) {
       found.measurements.push_back({fmt::format("stride {} B, {} bank{}", stride, banks, banks == 1 ? "" : "s"),
                                     "cycles", modelled(schedule, graph, banks),
-                                    counted_conflicts(schedule, graph, banks), Measurement::Relation::kExactly,
+                                    count_bank_conflicts(schedule, graph, banks), Measurement::Relation::kExactly,
                                     fmt::format("II {}", schedule.ii)});
     }
   }
@@ -185,7 +185,7 @@ Findings measure_conflicts(const hw::SrpConfig& srp) {
     sum.remark = fmt::format("II {} in all", intervals);
     for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
       sum.measured += modelled(schedules[kernel.id], kernel.graph, banks);
-      sum.expected += counted_conflicts(schedules[kernel.id], kernel.graph, banks);
+      sum.expected += count_bank_conflicts(schedules[kernel.id], kernel.graph, banks);
     }
     found.measurements.push_back(sum);
   }

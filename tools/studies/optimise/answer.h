@@ -13,7 +13,8 @@ namespace tools::optimise {
 struct Answer {
   const SearchRun& search;
   std::vector<Trade> trades{};  ///< trades of the best machine; only with one objective
-  std::optional<Odds> odds{};   ///< probabilities that the best machine meets its limits; nothing if unknown
+  std::optional<LimitProbabilities>
+      odds{};                   ///< probabilities that the best machine meets its limits; nothing if unknown
   std::string not_priced{};     ///< reason that there are no probabilities
   double seconds = 0;           ///< host time of the search
   bool is_checked = false;      ///< the option --check simulated whole frames of the front's machines

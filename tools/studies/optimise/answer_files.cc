@@ -125,7 +125,7 @@ std::string history_jsonl(const SearchRun& search) {
   for (const Trial& trial : search.trials()) {
     Json line = {
         {"n", number_of(search, trial)}, {"batch", trial.batch}, {"id", trial.id}, {"state", name_of(trial.status)}};
-    if (trial.is_look) line["look"] = true;
+    if (trial.is_first_look) line["look"] = true;
     line["axes"] = Json::object();
     for (const auto& [name, value] : trial.axes) line["axes"][name] = value;
     if (trial.status == PointStatus::kDone) {
@@ -191,7 +191,8 @@ Json search_json(const Answer& answer) {
     json["axes"].push_back({{"name", axis.name}, {"values", std::move(values)}});
   }
   for (const Trial& trial : search.trials()) {
-    if (!trial.is_look && trial.status != PointStatus::kImpossible) json["trials"].push_back(trial_json(search, trial));
+    if (!trial.is_first_look && trial.status != PointStatus::kImpossible)
+      json["trials"].push_back(trial_json(search, trial));
   }
   for (const Trial* trial : search.pareto_front()) json["front"].push_back(number_of(search, *trial));
   if (const Trial* best = answer.best()) {

@@ -28,7 +28,7 @@ std::string goals_text(const SearchRun& search) {
 std::vector<const Trial*> done_trials(const SearchRun& search) {
   std::vector<const Trial*> all;
   for (const Trial& trial : search.trials()) {
-    if (trial.status == PointStatus::kDone && !trial.is_look) all.push_back(&trial);
+    if (trial.status == PointStatus::kDone && !trial.is_first_look) all.push_back(&trial);
   }
   return all;
 }
@@ -116,7 +116,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
       header.emplace_back("95 %");
       std::vector<std::string>& intervals = columns.emplace_back();
       for (const Trial* trial : trials) {
-        const MeasuredFigure& seen = *trial->seen[g];
+        const MeasuredMetric& seen = *trial->seen[g];
         const double share = seen.value == 0 ? 0 : seen.half_width() / std::abs(seen.value);
         intervals.push_back(fmt::format("± {:.2g} %", 100 * share));
       }
@@ -286,7 +286,8 @@ std::string answer_text(const Answer& answer) {
 std::string summary_text(const Answer& answer) {
   const SearchRun& search = answer.search;
   const auto count = [&](auto&& is) { return static_cast<std::uint64_t>(std::ranges::count_if(search.trials(), is)); };
-  const std::uint64_t looks = count([](const Trial& t) { return t.is_look && t.status != PointStatus::kImpossible; });
+  const std::uint64_t looks =
+      count([](const Trial& t) { return t.is_first_look && t.status != PointStatus::kImpossible; });
   const std::uint64_t failed = count([](const Trial& t) { return t.status == PointStatus::kFailed; });
   const std::uint64_t impossible = count([](const Trial& t) { return t.status == PointStatus::kImpossible; });
   std::string text = fmt::format("{} machines simulated", search.simulated_count());

@@ -59,12 +59,12 @@ void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
       run.compared.clear();
       return;
     }
-    const MeasuredFigure& seen = run.seen.emplace_back(results::seen_figure(report, goal.metric));
+    const MeasuredMetric& seen = run.seen.emplace_back(results::read_noisy_metric(report, goal.metric));
     run.compared.push_back(seen.value);
     if (goal.is_objective() || confidence_ == 0) continue;
     if (!draws) draws.emplace(report);
     run.compared.back() =
-        draws->spread_of(goal.metric, seen).quantile(goal.is_upper_limit() ? confidence_ : 1 - confidence_);
+        draws->uncertainty_of(goal.metric, seen).quantile(goal.is_upper_limit() ? confidence_ : 1 - confidence_);
   }
 }
 
@@ -77,7 +77,7 @@ std::optional<std::size_t> Evaluator::find_broken_limit(const WorkloadRun& run, 
   if (!run.is_done()) return std::nullopt;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     const Goal& goal = goals_[g];
-    const bool is_alone = workloads_.size() == 1 || goal.fold == Fold::kOn || goal.is_on_each();
+    const bool is_alone = workloads_.size() == 1 || goal.fold == Fold::kOn || goal.applies_to_each_workload();
     if (goal.is_objective() || !is_alone || !needs_workload(goal, workload)) continue;
     const double value = run.compared[g];
     if (!goal.is_met(value) && std::abs(value - goal.limit) > run.seen[g].half_width()) return g;
@@ -86,7 +86,7 @@ std::optional<std::size_t> Evaluator::find_broken_limit(const WorkloadRun& run, 
 }
 
 bool Evaluator::is_doubtful(const Trial& trial) const {
-  if (trial.status != PointStatus::kDone || trial.is_look || trial.is_feasible) return false;
+  if (trial.status != PointStatus::kDone || trial.is_first_look || trial.is_feasible) return false;
   if (!trial.is_complete() || !trial.is_on_all_workloads()) return false;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     const Goal& goal = goals_[g];
@@ -133,18 +133,19 @@ void Evaluator::set_goal_values(Trial& trial) const {
   trial.is_feasible = trial.is_feasible && trial.is_complete();
 }
 
-Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
+LimitProbabilities Evaluator::limit_probabilities_of(const Trial& trial, const sweep::Store& store) const {
   const std::vector<WorkloadRun>& runs = trial.best_runs();
-  std::vector<std::vector<FigureSpread>> spreads;  // by workload, then goal
+  std::vector<std::vector<MetricUncertainty>> spreads;  // by workload, then goal
   for (const WorkloadRun& run : runs) {
-    std::vector<FigureSpread>& of_run = spreads.emplace_back();
+    std::vector<MetricUncertainty>& of_run = spreads.emplace_back();
     const std::optional<std::string> bytes = store.read_report(run.point.id);
     if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(run.point.id).string()));
     const ReportFile report = parse_report(*bytes, store.folder_of(run.point.id) / "report.json");
     TableDraws draws(report);
-    for (std::size_t g = 0; g < goals_.size(); ++g) of_run.push_back(draws.spread_of(goals_[g].metric, run.seen[g]));
+    for (std::size_t g = 0; g < goals_.size(); ++g)
+      of_run.push_back(draws.uncertainty_of(goals_[g].metric, run.seen[g]));
   }
-  Odds odds{std::vector<double>(goals_.size()), 0, {}};
+  LimitProbabilities odds{std::vector<double>(goals_.size()), 0, {}};
   std::vector<std::vector<double>> drawn(goals_.size());
   for (std::size_t draw = 0; draw < kTableDraws; ++draw) {
     double all = 1;
@@ -156,7 +157,7 @@ Odds Evaluator::odds_of(const Trial& trial, const sweep::Store& store) const {
       drawn[g].push_back(seen ? seen->value : 0);
       double chance = seen && !goal.is_objective() ? probability_met(goal, *seen) : 1;
       // The limit must be met on each workload. Their noise is independent, except that the area is the same on all.
-      if (!goal.is_objective() && goal.is_on_each() && !sweep::is_metric_of_machine(goal.metric)) {
+      if (!goal.is_objective() && goal.applies_to_each_workload() && !sweep::is_metric_of_machine(goal.metric)) {
         chance = 1;
         for (const sweep::WorkloadValue& value : values) chance *= probability_met(goal, *value.seen);
       }

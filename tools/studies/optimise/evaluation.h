@@ -21,7 +21,7 @@ using sweep::PointStatus;
 struct WorkloadRun {
   sweep::Point point;
   PointStatus status = PointStatus::kMissing;  ///< kMissing: not simulated
-  std::vector<MeasuredFigure> seen;            ///< by goal: value of the goal's metric on this workload, with its noise
+  std::vector<MeasuredMetric> seen;            ///< by goal: value of the goal's metric on this workload, with its noise
   /// By goal: the value that is compared with the limit. If the task requires a confidence, it is a quantile of `seen`.
   std::vector<double> compared;
   std::string error;                        ///< reason that there are no metrics
@@ -36,12 +36,12 @@ struct Trial {
   std::vector<std::pair<std::string, std::string>> axes;  ///< names and values
   std::string id;                                         ///< id of the machine's point on the first workload
   PointStatus status = PointStatus::kDone;                ///< kDone, kFailed or kImpossible
-  bool is_look = false;                                   ///< a first look: simulated approximately, with tile sampling
+  bool is_first_look = false;                             ///< a first look: simulated approximately, with tile sampling
   bool is_feasible = false;                               ///< it meets all constraints
   std::uint32_t batch = 0;                                ///< number of the batch in which it was simulated
   std::vector<WorkloadRun> runs;                          ///< by workload
   std::vector<WorkloadRun> whole;                         ///< by workload: whole frames; empty if not simulated
-  std::vector<std::optional<MeasuredFigure>> seen;  ///< by goal: value with noise; nothing if a workload has no result
+  std::vector<std::optional<MeasuredMetric>> seen;  ///< by goal: value with noise; nothing if a workload has no result
   std::vector<std::optional<double>> compared;      ///< by goal: the value that is compared with its limit
   std::optional<std::size_t> ruled_out_by;  ///< workload that broke a limit beyond noise; later ones are skipped
   std::string error;                        ///< reason that there are no metrics
@@ -61,7 +61,7 @@ struct Trial {
 };
 
 /// Probabilities that a machine meets its limits.
-struct Odds {
+struct LimitProbabilities {
   std::vector<double> met;  ///< by goal; 1 for objectives
   double all = 0;           ///< probability that all limits are met
   /// By goal: its 10 % and 90 % quantile over random draws of the energy and area tables, without noise.
@@ -97,7 +97,7 @@ class Evaluator {
   void set_goal_values(Trial& trial) const;
 
   /// Returns the probabilities that a machine meets its limits, given noise and random draws of energy and area tables.
-  Odds odds_of(const Trial& trial, const sweep::Store& store) const;
+  LimitProbabilities limit_probabilities_of(const Trial& trial, const sweep::Store& store) const;
 
  private:
   std::vector<sweep::WorkloadValue> values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const;

@@ -93,7 +93,7 @@ std::string noise_text(const SearchRun& search) {
   };
   for (const Trial* trial : search.feasible_trials()) {
     for (std::size_t g = 0; g < search.goals().size() && search.goals()[g].is_objective(); ++g) {
-      const MeasuredFigure& seen = *trial->seen[g];
+      const MeasuredMetric& seen = *trial->seen[g];
       if (seen.draws) add(parts, fmt::format("noise measured by {} replicates per run", seen.draws->count));
       if (seen.assumed <= 0) continue;
       const std::string share = fmt::format("{:.2g} %", 100 * seen.assumed);

@@ -71,7 +71,7 @@ Answer make_answer(SearchRun& search, const sweep::Store& store) {
   if (best == nullptr) return answer;
   answer.trades = trades_of(search, *best);
   try {
-    answer.odds = search.evaluator().odds_of(*best, store);
+    answer.odds = search.evaluator().limit_probabilities_of(*best, store);
   } catch (const sim::InputError& error) {
     answer.not_priced = error.what();
   }

@@ -105,7 +105,7 @@ class Search::Models {
   double score_at(const Estimated& e, std::size_t objective, double deviations) const {
     const Estimate& metric = e.metrics[objective];
     const double better = metric.mean + (is_max(objective) ? 1 : -1) * deviations * metric.deviation;
-    return (as_maximised(from_goal_scale(objective, better), objective) - low_[objective]) / range_[objective];
+    return (negate_if_minimised(from_goal_scale(objective, better), objective) - low_[objective]) / range_[objective];
   }
 
   /// Returns half of the difference between the scores at +1 and -1 standard deviations, summed over objectives.
@@ -196,7 +196,7 @@ class Search::Models {
   /// Returns the log probability that a constraint is met at a point. Metrics without any result are ignored.
   double log_probability_of(std::size_t g, const Choice& point) const {
     const Goal& goal = search_.goals_[g];
-    if (figures_of(g).size() > 1 && !goal.is_on_each()) {
+    if (figures_of(g).size() > 1 && !goal.applies_to_each_workload()) {
       return has_values(g)
                  ? log_probability(estimate_goal(g, point), to_goal_scale(g, goal.limit), !goal.is_upper_limit())
                  : 0;
@@ -212,7 +212,7 @@ class Search::Models {
   /// Returns the logarithm of the expected gain (rule 3).
   double log_gain(const Estimated& e) const {
     if (search_.objectives_ == 1) {
-      return log_expected_gain({as_maximised(e.metrics[0].mean, 0), e.metrics[0].deviation}, best_);
+      return log_expected_gain({negate_if_minimised(e.metrics[0].mean, 0), e.metrics[0].deviation}, best_);
     }
     double gain = 0;
     for (std::size_t i = 0; i < kNodes.size(); ++i) {
@@ -225,7 +225,7 @@ class Search::Models {
 
   bool is_max(std::size_t objective) const { return search_.goals_[objective].kind == Goal::Kind::kMax; }
   /// Returns the value, negated if the objective is minimised.
-  double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
+  double negate_if_minimised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
   /// Returns an objective's value at a simulated point, on the goal's scale. A noisy value is replaced by its estimate.
   double smoothed_goal(const Choice& point, std::size_t objective) const {
@@ -237,7 +237,7 @@ class Search::Models {
   void add_feasible(const Estimated& e) {
     has_feasible_ = true;
     if (search_.objectives_ == 2) return gain_.add({score_at(e, 0, 0), score_at(e, 1, 0)});
-    best_ = std::max(best_, as_maximised(e.metrics[0].mean, 0));
+    best_ = std::max(best_, negate_if_minimised(e.metrics[0].mean, 0));
   }
 
   void set_range() {
@@ -245,7 +245,7 @@ class Search::Models {
       std::vector<double> values;
       for (const auto& [point, had_figures] : search_.results_known_) {
         const auto value = had_figures ? search_.goal_value(o, point) : std::nullopt;
-        if (value) values.push_back(as_maximised(*value, o));
+        if (value) values.push_back(negate_if_minimised(*value, o));
       }
       const auto [least, most] =
           values.empty() ? std::ranges::minmax_result<double>{0, 0} : std::ranges::minmax(values);
@@ -366,12 +366,12 @@ void Search::add_result(const Choice& point, const std::optional<std::vector<dou
   feasible_scores_.erase(point);
 }
 
-void Search::add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+void Search::add_partial_result(const Choice& point, const MetricValues& figures, const std::vector<double>& errors,
                                 bool are_bounds) {
   if (results_known_.emplace(point, true).second) replace_result(point, figures, errors, are_bounds);
 }
 
-void Search::replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+void Search::replace_result(const Choice& point, const MetricValues& figures, const std::vector<double>& errors,
                             bool are_bounds) {
   errors_are_upper_bounds_ = errors_are_upper_bounds_ || are_bounds;
   for (std::size_t f = 0; f < values_.size(); ++f) {
@@ -391,7 +391,7 @@ void Search::replace_result(const Choice& point, const FigureValues& figures, co
   if (is_feasible) feasible_scores_.emplace(point, score_of(values));
 }
 
-void Search::add_first_look(const Choice& point, const FigureValues& figures) {
+void Search::add_first_look(const Choice& point, const MetricValues& figures) {
   for (std::size_t f = 0; f < looks_.size(); ++f) {
     if (figures.at(f)) looks_[f].emplace(point, *figures[f]);
   }

@@ -20,7 +20,7 @@ struct Space {
 };
 
 /// The values of a point's metrics, one per metric and workload; nothing for a value that was not simulated.
-using FigureValues = std::vector<std::optional<double>>;
+using MetricValues = std::vector<std::optional<double>>;
 
 /// Bayesian optimisation of one or two objectives under constraints. The caller simulates the proposed points.
 ///
@@ -52,13 +52,13 @@ class Search {
   void add_result(const Choice& point, const std::optional<std::vector<double>>& figures,
                   const std::vector<double>& errors = {}, bool are_bounds = false);
   /// Adds the result of a point on some workloads only. A point without results on all workloads is not feasible.
-  void add_partial_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+  void add_partial_result(const Choice& point, const MetricValues& figures, const std::vector<double>& errors,
                           bool are_bounds);
   /// Replaces the result of a point by a more accurate one.
-  void replace_result(const Choice& point, const FigureValues& figures, const std::vector<double>& errors,
+  void replace_result(const Choice& point, const MetricValues& figures, const std::vector<double>& errors,
                       bool are_bounds);
   /// Adds the approximate result of a first look at a point. The point may still be proposed.
-  void add_first_look(const Choice& point, const FigureValues& figures);
+  void add_first_look(const Choice& point, const MetricValues& figures);
 
   /// Returns the scores of all simulated points that meet all constraints.
   const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }

@@ -111,7 +111,7 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
   }
   const Choice first(task_.machine_axes().size(), 0);
   for (std::size_t w = 0; w < workloads().size(); ++w) {
-    const Point point = planner_.make_point(on_workload(first, w), "");
+    const Point point = planner_.make_point(choice_on_workload(first, w), "");
     const RunConfig& config = keys_.config_of(point);
     const kernels::RenderConfig& render = config.render;
     starts_.emplace(names_of(config.frame.start).at(static_cast<std::size_t>(config.frame.start)));
@@ -133,8 +133,8 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
 std::vector<Goal> SearchRun::resolve_goals() {
   Choice machine;
   for (const AxisShape& axis : make_space().axes) machine.push_back(axis.values - 1);
-  Point point = planner_.make_point(on_workload(machine, 0), "");
-  if (!point.error.empty()) point = planner_.make_point(on_workload(Choice(machine.size(), 0), 0), "");
+  Point point = planner_.make_point(choice_on_workload(machine, 0), "");
+  if (!point.error.empty()) point = planner_.make_point(choice_on_workload(Choice(machine.size(), 0), 0), "");
   if (!point.error.empty()) return task_.goals;
   std::vector<std::string> paths;
   try {
@@ -158,7 +158,7 @@ Space SearchRun::make_space() const {
   }
   space.is_wanted = [this](const Choice& choice) {
     for (std::size_t w = 0; w < workloads().size(); ++w) {
-      if (!planner_.is_wanted(on_workload(choice, w))) return false;
+      if (!planner_.is_wanted(choice_on_workload(choice, w))) return false;
     }
     return true;
   };
@@ -195,7 +195,7 @@ Search::Options SearchRun::make_search_options() {
 
 /// Returns a quantile of a machine's area, computed as in its reports but without a simulation.
 double SearchRun::exact_area(const Choice& choice, double quantile) {
-  const Point point = planner_.make_point(on_workload(choice, 0), "");
+  const Point point = planner_.make_point(choice_on_workload(choice, 0), "");
   if (!point.error.empty()) return 0;
   const RunConfig& config = keys_.config_of(point);
   const bool rasterises = config.render.primary == kernels::Primary::kRaster;
@@ -203,13 +203,13 @@ double SearchRun::exact_area(const Choice& choice, double quantile) {
                  quantile);
 }
 
-Choice SearchRun::on_workload(const Choice& machine, std::size_t workload) const {
+Choice SearchRun::choice_on_workload(const Choice& machine, std::size_t workload) const {
   Choice choice = machine;
   if (!task_.workloads.empty()) choice.insert(choice.begin(), static_cast<std::uint32_t>(workload));
   return choice;
 }
 
-std::string SearchRun::sampling_of(const Point& point, std::size_t workload) {
+std::string SearchRun::tile_sampling_of(const Point& point, std::size_t workload) {
   const kernels::ProgramSpec program = kernels::parse_program(point.program);
   if (!tiled_[workload] || !point.error.empty() || program.kind != kernels::ProgramSpec::Kind::kFull) return "";
   if (task_.fidelity == Fidelity::kTiles) return task_.sampling;
@@ -234,16 +234,16 @@ std::string SearchRun::fidelity_text() const {
   return fmt::format("whole frames of {}", at);
 }
 
-Trial SearchRun::make_trial(const Choice& choice, bool is_look) {
+Trial SearchRun::make_trial(const Choice& choice, bool is_first_look) {
   Trial trial;
   trial.choice = choice;
-  trial.is_look = is_look;
+  trial.is_first_look = is_first_look;
   trial.batch = batches_;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
-    const Choice here = on_workload(choice, w);
+    const Choice here = choice_on_workload(choice, w);
     WorkloadRun run;
-    run.point = planner_.make_point(here, is_look ? task_.sampling : "");
-    const std::string sampling = is_look ? "" : sampling_of(run.point, w);
+    run.point = planner_.make_point(here, is_first_look ? task_.sampling : "");
+    const std::string sampling = is_first_look ? "" : tile_sampling_of(run.point, w);
     if (!sampling.empty()) run.point = planner_.make_point(here, sampling);
     if (!run.point.error.empty() && trial.error.empty()) {
       trial.status = PointStatus::kImpossible;
@@ -267,7 +267,7 @@ std::vector<std::size_t> SearchRun::workload_order() const {
 std::vector<Point> SearchRun::points(bool with_looks) const {
   std::vector<Point> all;
   for (const Trial& trial : trials_) {
-    if (trial.is_look && !with_looks) continue;
+    if (trial.is_first_look && !with_looks) continue;
     for (const WorkloadRun& run : trial.runs) {
       if (run.status != PointStatus::kMissing) all.push_back(run.point);
     }
@@ -287,7 +287,7 @@ bool SearchRun::simulate_runs(const std::vector<WorkloadRun*>& runs, const std::
   for (const WorkloadRun* run : runs) points.push_back(run->point);
   all.insert(all.end(), points.begin(), points.end());
   with.hooks.announce(all);
-  const sweep::BatchEnd end = with.launcher.run(points, with.hooks.watch);
+  const sweep::BatchResult end = with.launcher.run(points, with.hooks.watch);
   if (end.interrupted) return false;
   computed_ += end.count_of(PointStatus::kComputed);
   found_ += end.count_of(PointStatus::kDone);
@@ -336,9 +336,9 @@ bool SearchRun::simulate_trials(std::vector<Trial>& fresh, const Machines& with)
 }
 
 /// Returns a machine's value of each metric that the search models, on each workload. Sets `errors` to standard errors.
-FigureValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
+MetricValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
                                       bool& are_assumed) const {
-  FigureValues values(figure_count_);
+  MetricValues values(figure_count_);
   errors.assign(figure_count_, 0);
   for (std::size_t g = 0; g < figures_.size(); ++g) {
     for (std::size_t w = 0; w < runs.size(); ++w) {
@@ -354,9 +354,9 @@ FigureValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std:
 void SearchRun::add_to_search(const Trial& trial, const Choice& choice) {
   std::vector<double> errors;
   bool are_assumed = false;
-  const FigureValues values = figure_values(trial.best_runs(), errors, are_assumed);
+  const MetricValues values = figure_values(trial.best_runs(), errors, are_assumed);
   const bool is_done = trial.status == PointStatus::kDone;
-  if (trial.is_look) {
+  if (trial.is_first_look) {
     if (is_done) search_.add_first_look(choice, values);
   } else if (!is_done) {
     search_.add_result(choice, std::nullopt);
@@ -367,12 +367,12 @@ void SearchRun::add_to_search(const Trial& trial, const Choice& choice) {
   }
 }
 
-bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_look, const Machines& with) {
+bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_first_look, const Machines& with) {
   std::vector<Trial> fresh;
   std::map<std::string, std::size_t> indices;  // index in `trials_` of each new machine, by id
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
-    Trial trial = make_trial(choice, is_look);
+    Trial trial = make_trial(choice, is_first_look);
     ids.push_back(trial.id);
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
     if (is_known) continue;  // other axis values give the same machine
@@ -382,7 +382,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
   if (!simulate_trials(fresh, with)) return false;
   for (Trial& trial : fresh) {
     evaluator_.set_goal_values(trial);
-    if (!trial.is_look && trial.status != PointStatus::kImpossible) {
+    if (!trial.is_first_look && trial.status != PointStatus::kImpossible) {
       simulated_ += 1;
       skipped_ +=
           static_cast<std::uint64_t>(std::ranges::count(trial.runs, PointStatus::kMissing, &WorkloadRun::status));
@@ -392,7 +392,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
   }
   for (std::size_t c = 0; c < choices.size(); ++c) {
     const std::size_t index = by_id_.at(ids[c]);
-    if (is_look) {
+    if (is_first_look) {
       looked_.insert(choices[c]);
     } else {
       by_choice_.emplace(choices[c], index);
@@ -404,7 +404,7 @@ bool SearchRun::compute_machines(const std::vector<Choice>& choices, bool is_loo
 }
 
 /// Simulates proposed machines until the search has simulated `until` machines. Returns false if interrupted.
-bool SearchRun::spend_until(std::uint64_t until, const Machines& with) {
+bool SearchRun::simulate_proposed_until(std::uint64_t until, const Machines& with) {
   const std::uint64_t axes = task_.machine_axes().size();
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
   while (simulated_ < until && proposed_ < task_.budget * (kMostImpossible + 1)) {
@@ -439,7 +439,7 @@ bool SearchRun::refine_best(const Machines& with) {
     near.resize(std::min<std::size_t>(near.size(), task_.budget - simulated_));
     if (!near.empty()) {
       if (!compute_machines(near, false, with)) return false;
-    } else if (!spend_until(std::min<std::uint64_t>(task_.budget, simulated_ + task_.batch), with)) {
+    } else if (!simulate_proposed_until(std::min<std::uint64_t>(task_.budget, simulated_ + task_.batch), with)) {
       return false;
     }
     if (simulated_ == before && near.empty()) return true;  // the space has no other machines
@@ -453,7 +453,7 @@ bool SearchRun::simulate_whole(const Trial& sampled, const Machines& with) {
   std::vector<WorkloadRun> whole;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     WorkloadRun& run = whole.emplace_back();
-    run.point = planner_.make_point(on_workload(trial.choice, w), "");
+    run.point = planner_.make_point(choice_on_workload(trial.choice, w), "");
     if (run.point.id == trial.runs[w].point.id) run = trial.runs[w];  // its frames were simulated whole already
   }
   std::vector<WorkloadRun*> now;
@@ -490,7 +490,7 @@ const Trial* SearchRun::find_doubtful() const {
 }
 
 /// Simulates whole frames of machines until every machine on the Pareto front has them.
-bool SearchRun::confirm_front(const Machines& with) {
+bool SearchRun::simulate_whole_front(const Machines& with) {
   while (true) {
     const std::vector<const Trial*> front = pareto_front();
     const auto open = std::ranges::find_if(front, [](const Trial* trial) { return trial->whole.empty(); });
@@ -506,7 +506,7 @@ bool SearchRun::confirm_front(const Machines& with) {
 }
 
 bool SearchRun::check_front(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
-  return confirm_front({launcher, store, hooks});
+  return simulate_whole_front({launcher, store, hooks});
 }
 
 /// Simulates all machines of the space.
@@ -528,14 +528,14 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
   const bool is_single = has_one_objective();
   if (task_.simulates_all) {
     if (!simulate_space(with)) return false;
-    return !is_single || !is_tiled() || confirm_front(with);
+    return !is_single || !is_tiled() || simulate_whole_front(with);
   }
   std::uint64_t reserve = 0;
   if (is_single) {
     for (const sweep::Axis& axis : task_.machine_axes()) reserve += axis.values.size() > 1 ? 2 : 0;
     reserve = std::min(reserve, task_.budget / kNeighbourShare);
   }
-  if (!spend_until(task_.budget - reserve, with)) return false;
+  if (!simulate_proposed_until(task_.budget - reserve, with)) return false;
   if (!is_single) return true;
   // The results of whole frames may reject the best machine, so that the search must continue.
   while (true) {
@@ -543,7 +543,7 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
     if (!is_tiled()) return true;
     const auto is_whole = [](const Trial& trial) { return !trial.whole.empty(); };
     const auto before = std::ranges::count_if(trials_, is_whole);
-    if (!confirm_front(with)) return false;
+    if (!simulate_whole_front(with)) return false;
     if (std::ranges::count_if(trials_, is_whole) == before) return true;
   }
 }
@@ -559,7 +559,7 @@ Score SearchRun::score_of(const Trial& trial) const {
 std::vector<const Trial*> SearchRun::feasible_trials() const {
   std::vector<const Trial*> out;
   for (const Trial& trial : trials_) {
-    if (trial.is_feasible && !trial.is_look) out.push_back(&trial);
+    if (trial.is_feasible && !trial.is_first_look) out.push_back(&trial);
   }
   return out;
 }
@@ -577,7 +577,7 @@ const Trial* SearchRun::least_infeasible() const {
   const Trial* nearest = nullptr;
   std::pair<bool, double> least;
   for (const Trial& trial : trials_) {
-    if (trial.status != PointStatus::kDone || trial.is_look) continue;
+    if (trial.status != PointStatus::kDone || trial.is_first_look) continue;
     double miss = 0;
     for (std::size_t g = 0; g < goals().size(); ++g) {
       const Goal& goal = goals()[g];

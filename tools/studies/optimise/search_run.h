@@ -89,30 +89,30 @@ class SearchRun {
   Space make_space() const;
   Search::Options make_search_options();
   double exact_area(const Choice& choice, double quantile);
-  Choice on_workload(const Choice& machine, std::size_t workload) const;
+  Choice choice_on_workload(const Choice& machine, std::size_t workload) const;
   /// Returns the tile sampling with which a point is simulated; empty for whole frames.
-  std::string sampling_of(const sweep::Point& point, std::size_t workload);
-  Trial make_trial(const Choice& choice, bool is_look);
+  std::string tile_sampling_of(const sweep::Point& point, std::size_t workload);
+  Trial make_trial(const Choice& choice, bool is_first_look);
   std::vector<std::size_t> workload_order() const;
 
   /// Simulates machines and adds their results to the search. Returns false if interrupted.
-  bool compute_machines(const std::vector<Choice>& choices, bool is_look, const Machines& with);
+  bool compute_machines(const std::vector<Choice>& choices, bool is_first_look, const Machines& with);
   /// Simulates new machines, except impossible ones, workload by workload. Returns false if interrupted.
   bool simulate_trials(std::vector<Trial>& fresh, const Machines& with);
   /// Simulates runs on one workload and reads their results.
   bool simulate_runs(const std::vector<WorkloadRun*>& runs, const std::vector<sweep::Point>& others,
                      const Machines& with);
   void add_to_search(const Trial& trial, const Choice& choice);
-  FigureValues figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
+  MetricValues figure_values(const std::vector<WorkloadRun>& runs, std::vector<double>& errors,
                              bool& are_assumed) const;
-  bool spend_until(std::uint64_t until, const Machines& with);
+  bool simulate_proposed_until(std::uint64_t until, const Machines& with);
   std::vector<Choice> unknown_neighbours();
   bool refine_best(const Machines& with);
   bool simulate_space(const Machines& with);
   bool simulate_whole(const Trial& sampled, const Machines& with);
   /// Returns the best machine that breaks limits within noise only and would be on the front; null if there is none.
   const Trial* find_doubtful() const;
-  bool confirm_front(const Machines& with);
+  bool simulate_whole_front(const Machines& with);
   bool has_one_objective() const;
   Score score_of(const Trial& trial) const;
   std::size_t index_of(const Trial& trial) const { return static_cast<std::size_t>(&trial - trials_.data()); }

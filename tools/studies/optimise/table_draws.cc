@@ -26,8 +26,8 @@ sim::Band band_at(const ReportFile& report, const std::string& path) {
 
 double area_at(const sim::Band& band, double quantile) { return value_at_quantile(band, quantile); }
 
-MeasuredFigure FigureSpread::at(std::size_t draw) const {
-  MeasuredFigure scaled = seen;
+MeasuredMetric MetricUncertainty::at(std::size_t draw) const {
+  MeasuredMetric scaled = seen;
   scaled.value *= factor(draw);
   if (scaled.draws) {
     scaled.draws->mean *= factor(draw);
@@ -36,7 +36,7 @@ MeasuredFigure FigureSpread::at(std::size_t draw) const {
   return scaled;
 }
 
-double FigureSpread::quantile(double share) const {
+double MetricUncertainty::quantile(double share) const {
   const double error = seen.standard_error();
   if (factors.empty() && error == 0) return seen.value;
   const auto share_below = [&](double value) {
@@ -56,14 +56,14 @@ double FigureSpread::quantile(double share) const {
   return high;
 }
 
-double probability_met(const Goal& goal, const MeasuredFigure& seen) {
+double probability_met(const Goal& goal, const MeasuredMetric& seen) {
   const double error = seen.standard_error();
   if (error == 0) return goal.is_met(seen.value) ? 1 : 0;
   return std::exp(log_probability({seen.value, error}, goal.limit, !goal.is_upper_limit()));
 }
 
-FigureSpread TableDraws::spread_of(const std::string& path, const MeasuredFigure& seen) {
-  FigureSpread spread{seen, {}};
+MetricUncertainty TableDraws::uncertainty_of(const std::string& path, const MeasuredMetric& seen) {
+  MetricUncertainty spread{seen, {}};
   const auto energy = energy_metric(path);
   if (!energy && path != kArea) return spread;
   auto [entry, is_new] = factors_.try_emplace(energy ? energy->block : kArea);

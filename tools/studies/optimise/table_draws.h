@@ -15,19 +15,19 @@ namespace tools::optimise {
 inline constexpr std::uint64_t kTableDraws = 1000;  ///< number of random draws of the energy and area tables
 
 /// A simulated metric with its uncertainty: its noise, and its values under random draws of the energy and area tables.
-struct FigureSpread {
-  MeasuredFigure seen;
+struct MetricUncertainty {
+  MeasuredMetric seen;
   std::vector<double> factors;  ///< by draw: value divided by the nominal one; empty: the tables do not affect it
 
   double factor(std::size_t draw) const { return factors.empty() ? 1 : factors[draw]; }
   /// Returns the metric, with noise, as computed with the energy and area tables of random draw number `draw`.
-  MeasuredFigure at(std::size_t draw) const;
+  MeasuredMetric at(std::size_t draw) const;
   /// Returns the value that the metric does not exceed with probability `share`.
   double quantile(double share) const;
 };
 
 /// Returns the probability that the true value of a noisy metric meets a constraint.
-double probability_met(const Goal& goal, const MeasuredFigure& seen);
+double probability_met(const Goal& goal, const MeasuredMetric& seen);
 
 /// Makes random draws of a report's energy and area tables. In draw N an entry has the same quantile in every report,
 /// so that reports can be compared draw by draw.
@@ -38,7 +38,7 @@ class TableDraws {
  public:
   explicit TableDraws(const ReportFile& report) : report_(report) {}
   /// Returns the uncertainty of a metric. `path`: full report path. Throws InputError if energy cannot be computed.
-  FigureSpread spread_of(const std::string& path, const MeasuredFigure& seen);
+  MetricUncertainty uncertainty_of(const std::string& path, const MeasuredMetric& seen);
 
  private:
   const ReportFile& report_;

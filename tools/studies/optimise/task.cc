@@ -80,7 +80,7 @@ double Goal::combine(std::span<const double> values) const {
   return sweep::fold_workloads(fold, values, is_larger_better()).value_or(0);
 }
 
-bool Goal::is_on_each() const {
+bool Goal::applies_to_each_workload() const {
   using Fold = sweep::SetMetric::Kind;
   return fold == Fold::kEach || (fold == Fold::kWorst && is_larger_better() != is_upper_limit());
 }

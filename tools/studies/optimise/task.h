@@ -36,7 +36,7 @@ struct Goal {
   /// True if the value meets the constraint. Always true for an objective.
   bool is_met(double value) const;
   /// True for a constraint that must be met on each workload separately: worst(fps) >= 60, but not worst(fps) < 100.
-  bool is_on_each() const;
+  bool applies_to_each_workload() const;
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;

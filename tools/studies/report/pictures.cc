@@ -85,7 +85,7 @@ std::string data_url(std::string_view mime, std::string_view bytes) {
   return fmt::format("data:{};base64,{}", mime, base64);
 }
 
-std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels) {
+std::optional<std::string> picture_as_data_url(const std::filesystem::path& file, std::size_t max_pixels) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
   try {
@@ -345,7 +345,7 @@ DebugPictures debug_pictures_of(const ReportFile& report) {
   DebugPictures out;
   if (report.is_reference()) return out;
   for (const auto& [name, file] : debug_pictures_in(report)) {
-    const std::optional<std::string> picture = page_picture(file, kMostPixels);
+    const std::optional<std::string> picture = picture_as_data_url(file, kMostPixels);
     if (!picture || out.bytes + picture->size() > kLargestDebug) {
       ++out.left_out;
       continue;
@@ -361,7 +361,7 @@ DebugPictures debug_pictures_of(const ReportFile& report) {
 std::vector<Json> frame_pictures(const std::vector<fs::path>& files, std::size_t max_pixels) {
   std::vector<Json> pictures;
   for (const fs::path& file : files) {
-    const std::optional<std::string> picture = page_picture(file, max_pixels);
+    const std::optional<std::string> picture = picture_as_data_url(file, max_pixels);
     pictures.push_back(picture ? Json(*picture) : Json());
   }
   return pictures;
@@ -379,7 +379,7 @@ fs::path tiles_file(const ReportFile& report) {
   return report.file.parent_path() / (report.is_reference() ? kReferenceTiles : kTilesFile);
 }
 
-Json film_of_frames(const ReportFile& report) {
+Json frame_pictures_block(const ReportFile& report) {
   const auto frames = report.json.find("frames");
   if (report.is_reference() || frames == report.json.end() || !frames->is_array() || frames->size() < 2) return {};
   const std::size_t shown = std::min(frames->size(), kMostFilmFrames);
@@ -413,7 +413,7 @@ Json film_of_frames(const ReportFile& report) {
 
 Json run_picture(const ReportFile& report) {
   const fs::path file = report.picture("png");
-  std::optional<std::string> picture = page_picture(file, kAnyPixels);
+  std::optional<std::string> picture = picture_as_data_url(file, kAnyPixels);
   Overlays overlays = overlays_of(report);
   if (!picture) {
     return {
@@ -424,7 +424,7 @@ Json run_picture(const ReportFile& report) {
   if (debug.left_out > 0)
     note += fmt::format(" Too large for the page: {} debug picture{}.", debug.left_out, debug.left_out == 1 ? "" : "s");
   if (picture->size() + debug.bytes + overlays.pixel_bytes > kLargestPictures)
-    picture = page_picture(file, kMostPixels);
+    picture = picture_as_data_url(file, kMostPixels);
   return {{"type", "picture"},
           {"id", "frame"},
           {"title", "Picture and overlays"},

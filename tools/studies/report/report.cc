@@ -191,7 +191,7 @@ Json series_json(const ReportFile& report) {
 ///   flow         [[from, to, low, nominal, high], ...] in mJ; null, with the reason in not_priced
 ///   series       {begin_us, end_us, all: [{group, name, unit, values}]}, or a note
 ///   picture      run_picture()
-///   film         film_of_frames()
+///   film         frame_pictures_block()
 Json run_data(const ReportFile& report) {
   std::unique_ptr<PricedRun> priced;
   std::string not_priced;
@@ -213,7 +213,7 @@ Json run_data(const ReportFile& report) {
           {"not_priced", not_priced},
           {"series", series_json(report)},
           {"picture", run_picture(report)},
-          {"film", film_of_frames(report)}};
+          {"film", frame_pictures_block(report)}};
 }
 
 }  // namespace

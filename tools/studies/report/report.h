@@ -32,7 +32,7 @@ sim::Json run_picture(const ReportFile& report);
 /// Returns the JSON for the part of a page that plays the pictures of all frames: {type, id, title, width, height,
 /// frames: [{frame, picture}], note}; null for a single frame. All pictures are scaled down equally to limit the size
 /// of the page.
-sim::Json film_of_frames(const ReportFile& report);
+sim::Json frame_pictures_block(const ReportFile& report);
 
 /// Returns the path of the tiles.json that belongs to a report of a run or of its reference.
 std::filesystem::path tiles_file(const ReportFile& report);
@@ -60,7 +60,7 @@ std::string data_url(std::string_view mime, std::string_view bytes);
 
 /// Returns a picture file as a data: URL. A picture with more than `max_pixels` pixels is scaled down by averaging
 /// squares of pixels. Returns nothing if the file does not exist or is not a picture.
-std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t max_pixels);
+std::optional<std::string> picture_as_data_url(const std::filesystem::path& file, std::size_t max_pixels);
 
 /// The grid of a picture's tiles, which are numbered row by row. `tile_of_row`: tile number of each row of tiles.json.
 struct TileGrid {

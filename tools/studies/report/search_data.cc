@@ -271,7 +271,7 @@ class SearchFile {
 
 }  // namespace
 
-void add_search(const fs::path& folder, Json& page) {
+void add_search_page_data(const fs::path& folder, Json& page) {
   const fs::path file = folder / optimise::kSearchFile;
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return;

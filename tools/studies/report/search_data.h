@@ -13,6 +13,6 @@ namespace tools::pages {
 ///   search.scatter         {x, y, limit, rows: [[n, x, y, x low, x high, y low, y high, place, axes, band], ...]}, or
 ///   null search.trades          {metrics, rows: [[axis, from, to, gain, values..., breaks, values are], ...]}
 ///   search.trade_sentences, commands [[workload, command], ...]
-void add_search(const std::filesystem::path& folder, sim::Json& page);
+void add_search_page_data(const std::filesystem::path& folder, sim::Json& page);
 
 }  // namespace tools::pages

@@ -235,7 +235,7 @@ class Sweep {
   /// Marks the points that may be best or on the Pareto front: those with results that meet all constraints.
   void find_eligible() {
     for (const results::Row& row : index_rows()) done_.push_back(row.is_done());
-    eligible_ = rows_.by_machine ? results_.machines().with_all_points(done_) : done_;
+    eligible_ = rows_.by_machine ? results_.machines().machines_with_all_points(done_) : done_;
     for (std::size_t g = 0; g < goals().size(); ++g) {
       if (goals()[g].is_objective()) continue;
       has_constraints_ = true;
@@ -386,7 +386,7 @@ class Sweep {
       Json cells = Json::array({goal.text(), met, nullptr, "", ""});
       if (best) {
         const double value = value_of(*metric, *best).value_or(0);
-        const results::FigureNoise noise(results_, results_.column(metric->path), done);
+        const results::MetricNoise noise(results_, results_.column(metric->path), done);
         cells = Json::array({goal.text(), met, value, noise.is_noisy() ? results::interval_text(noise, *best) : "",
                              goal.distance_text(value)});
       }
@@ -397,7 +397,7 @@ class Sweep {
   /// Returns a note on the points that are not significantly worse than the best: "; 3 points tie with it (...)".
   std::string ties_text(const Metric& metric, std::size_t best) const {
     const std::vector<std::size_t> candidates = candidates_of(metric);
-    const results::FigureNoise noise(results_, results_.column(metric.path), candidates);
+    const results::MetricNoise noise(results_, results_.column(metric.path), candidates);
     if (!noise.is_noisy() || candidates.size() < 2) return {};
     const std::size_t ties = results::find_ties(noise, metric.more_is_better, candidates, best).size();
     return fmt::format("; {} with it ({})",
@@ -424,7 +424,7 @@ class Sweep {
     }
     std::vector<std::size_t> front, near;
     if (!rows.empty()) {
-      const results::FigureNoise x_noise(results_, x.column, rows), y_noise(results_, y.column, rows);
+      const results::MetricNoise x_noise(results_, x.column, rows), y_noise(results_, y.column, rows);
       x.column = x_noise.means();
       y.column = y_noise.means();
       const results::ParetoFront found = results::find_front(x, y, eligible_);
@@ -502,7 +502,7 @@ Json sweep_data(const fs::path& folder) {
   results::collect_if_writable(folder, "the page shows what was last collected");
   const results::Results results(folder);
   Json page = Sweep(folder, results).data_json();
-  add_search(folder, page);
+  add_search_page_data(folder, page);
   return page;
 }
 

@@ -33,7 +33,7 @@ namespace tools::reproduce {
 namespace {
 
 /// Results of an earlier run in the output folder.
-struct Former {
+struct EarlierResults {
   std::size_t rows = 0;       ///< number of rows; new results replace them only with more rows, or when complete
   std::vector<Row> finished;  ///< reusable rows, if it was an interrupted run of the same experiments
 };
@@ -54,7 +54,7 @@ class PublishedReader {
  public:
   explicit PublishedReader(const std::string& name) : name_(name) {}
 
-  Published read(const sim::YamlNode& root) {
+  PublishedValues read(const sim::YamlNode& root) {
     for (const Entry& experiment : root.entries) {
       for (const Entry& scene : entries_of(experiment, "scenes")) {
         for (const Entry& setting : entries_of(scene, "settings")) {
@@ -101,23 +101,23 @@ class PublishedReader {
   }
 
   const std::string& name_;
-  Published out_;
+  PublishedValues out_;
 };
 
 }  // namespace
 
-Published parse_published(const std::string& text, const std::string& name) {
+PublishedValues parse_published_values(const std::string& text, const std::string& name) {
   return PublishedReader(name).read(*sim::parse_yaml_mapping(text, name));
 }
 
-Published load_published(const std::string& paper) {
+PublishedValues load_published_values(const std::string& paper) {
   const std::string name = paper + ".yaml";
   for (const std::filesystem::path& folder : search_folders()) {
     for (const std::filesystem::path& file :
          {folder / "tests" / "validation" / "published" / name, folder / "published" / name}) {
       std::error_code missing;
       if (std::filesystem::exists(file, missing))
-        return parse_published(sim::read_file(file, kMostPublishedBytes), file);
+        return parse_published_values(sim::read_file(file, kMostPublishedBytes), file);
     }
   }
   throw sim::InputError(
@@ -326,8 +326,8 @@ std::string digest_of_file(const fs::path& scene) {
   return sim::sha256_hex(sim::read_file(scene, kMostOfScene));
 }
 
-Former parse_earlier_results(const Json& former, const Json& head) {
-  Former out{.rows = former.at("rows").size(), .finished = {}};
+EarlierResults parse_earlier_results(const Json& former, const Json& head) {
+  EarlierResults out{.rows = former.at("rows").size(), .finished = {}};
   if (!is_same_run(former, head)) return out;
   const Json& digests = former.at("scenes");
   std::map<std::string, bool> unchanged;
@@ -342,7 +342,7 @@ Former parse_earlier_results(const Json& former, const Json& head) {
 
 /// Reads reproduce.json of an earlier run in the folder, if it exists. Its rows are reused if paper, sizes, program and
 /// configuration equal those of `head`, the header of this run, and the scene file has not changed.
-Former load_earlier_results(const fs::path& folder, const Json& head) {
+EarlierResults load_earlier_results(const fs::path& folder, const Json& head) {
   try {
     return parse_earlier_results(sim::parse_json(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
   } catch (const sim::InputError&) {
@@ -377,7 +377,7 @@ class Job {
       : options_(options),
         progress_(options.progress, false),
         runner_(options, &progress_),
-        published_(load_published(options.paper)) {
+        published_(load_published_values(options.paper)) {
     results_.paper = paper.name;
     results_.title = paper.title;
     results_.note = paper.note;
@@ -525,10 +525,10 @@ class Job {
   const Options& options_;
   Progress progress_;
   Runner runner_;
-  const Published published_;
+  const PublishedValues published_;
   std::vector<Case> cases_;
   std::size_t next_ = 0;
-  Former former_;
+  EarlierResults former_;
   Results results_;
   sim::Json scenes_ = sim::Json::object();  ///< SHA-256 of each scene file
   sim::Json provenance_;

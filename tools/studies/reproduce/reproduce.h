@@ -31,15 +31,15 @@ struct MetricKey {
   friend auto operator<=>(const MetricKey&, const MetricKey&) = default;
 };
 
-using Published = std::map<MetricKey, Range>;
+using PublishedValues = std::map<MetricKey, Range>;
 
 /// Reads the published values of a paper from tests/validation/published/PAPER.yaml or from published/PAPER.yaml in one
 /// of search_folders(). Throws InputError with line and column.
-Published load_published(const std::string& paper);
+PublishedValues load_published_values(const std::string& paper);
 
 /// Parses published values in YAML: nested mappings of experiment, scene, setting and metric. A value is a number or
 /// {low: number, high: number}.
-Published parse_published(const std::string& text, const std::string& name);
+PublishedValues parse_published_values(const std::string& text, const std::string& name);
 
 /// A row of the results of a paper: a metric with its measured and its published value.
 struct Row {

@@ -148,7 +148,7 @@ class BatchProgress {
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
-void print_summary(const sweep::BatchEnd& end, const fs::path& out) {
+void print_summary(const sweep::BatchResult& end, const fs::path& out) {
   const std::uint64_t missing = end.count_of(PointStatus::kMissing);
   fmt::print("{} points: {} computed, {} found, {} failed{}\n", end.statuses.size(),
              end.count_of(PointStatus::kComputed), end.count_of(PointStatus::kDone), end.count_of(PointStatus::kFailed),
@@ -214,7 +214,7 @@ int run_sweep(const SweepOptions& options) {
     }
   }
   BatchProgress batch(options, planned.points);
-  const sweep::BatchEnd end = launcher->run(
+  const sweep::BatchResult end = launcher->run(
       planned.points, [&](std::size_t p, PointStatus status) { batch.count_point(p, status); },
       [&](std::size_t p) { batch.count_slice(p); });
   batch.end(end.interrupted ? "interrupted" : "done");
@@ -242,7 +242,7 @@ namespace {
 
 /// Returns one entry per line of the file `list`: the ids of the points on that line. Without a file, one entry per
 /// point of the sweep. A point that is cut into slices is replaced by its slices, an entry each.
-std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points, const fs::path& list) {
+std::vector<std::vector<std::string>> read_point_id_lines(const std::vector<Point>& points, const fs::path& list) {
   std::vector<std::vector<std::string>> ids;
   if (list.empty()) {
     for (const Point& point : points) {
@@ -262,7 +262,7 @@ std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points,
 /// Returns the points that `options` selects: those of some consecutive lines of its list, or of the sweep.
 std::vector<Point> points_of_chunk(const SweepFolder& folder, const PointOptions& options) {
   const std::vector<Point> all = folder.read_points();
-  const std::vector<std::vector<std::string>> lines = list_ids(all, options.list);
+  const std::vector<std::vector<std::string>> lines = read_point_id_lines(all, options.list);
   const std::uint64_t chunks = (lines.size() + options.chunk - 1) / options.chunk;
   if (options.index >= chunks) {
     throw sim::InputError(
@@ -301,7 +301,7 @@ int compute_points(const PointOptions& options) {
                                                   .retry_failed = options.retry_failed,
                                                   .keep_streams = true,
                                                   .log = folder.log_folder()});
-  const sweep::BatchEnd end = launcher->run(points);
+  const sweep::BatchResult end = launcher->run(points);
   return end.count_of(PointStatus::kFailed) != 0 ? kCheckFailed : kGood;
 }
 

@@ -53,18 +53,18 @@ struct Machine {
 };
 
 /// Result of simulating all machines of a search space.
-struct Exhaustive {
+struct ExhaustiveResult {
   std::size_t machines = 0;
   std::optional<double> objective;  ///< objective of the best machine; nothing if no machine meets the constraints
 };
 
 /// The result of one side of the comparison: machines without the feature, or with it.
 struct SideAnswer {
-  std::optional<Machine> best;    ///< none if no machine meets the constraints
-  std::size_t machines = 0;       ///< number of simulated machines
-  std::size_t failed = 0;         ///< number of machines whose simulation failed
-  std::filesystem::path folder;   ///< folder of the search
-  std::optional<Exhaustive> all;  ///< only with Options::check
+  std::optional<Machine> best;          ///< none if no machine meets the constraints
+  std::size_t machines = 0;             ///< number of simulated machines
+  std::size_t failed = 0;               ///< number of machines whose simulation failed
+  std::filesystem::path folder;         ///< folder of the search
+  std::optional<ExhaustiveResult> all;  ///< only with Options::check
 };
 
 /// The result of `raywatt worth`: the best machines without and with a feature.

@@ -231,10 +231,10 @@ const char* meshopt_fault(const std::string& mode, const std::string& filter, st
 std::vector<unsigned char> decode_view(Context& context, const tinygltf::Value& extension, const std::string& what) {
   const int index = index_or_none(extension, "buffer");
   const std::vector<unsigned char>& buffer = context.at(context.model.buffers, index, "buffers").data;
-  const std::uint64_t offset = size_or(context, extension, "byteOffset", 0);
-  const std::uint64_t size = size_or(context, extension, "byteLength", 0);
-  const std::uint64_t count = size_or(context, extension, "count", 0);
-  const std::uint64_t stride = size_or(context, extension, "byteStride", 0);
+  const std::uint64_t offset = count_or(context, extension, "byteOffset", 0);
+  const std::uint64_t size = count_or(context, extension, "byteLength", 0);
+  const std::uint64_t count = count_or(context, extension, "count", 0);
+  const std::uint64_t stride = count_or(context, extension, "byteStride", 0);
   const std::string mode = text_or(extension, "mode", ""), filter = text_or(extension, "filter", "NONE");
   if (offset > buffer.size() || size > buffer.size() - offset) context.refuse(what + " leaves its buffer");
   if (const char* fault = meshopt_fault(mode, filter, count, stride)) {

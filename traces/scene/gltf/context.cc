@@ -87,7 +87,7 @@ glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const c
   return to_vec3(context, numbers, absent, key);
 }
 
-std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent) {
+std::uint64_t count_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent) {
   constexpr double kMost = 9007199254740992;  // 2^53: a double represents every integer up to it
   if (!object.Has(key)) return absent;
   const double value = object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble() : -1;

@@ -66,7 +66,7 @@ glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const c
 
 /// Returns the count of bytes or elements stored under `key` in an extension's object, or `absent`. Throws InputError
 /// if the value is not a count.
-std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
+std::uint64_t count_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
 /// Returns the index stored under `key` in an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);

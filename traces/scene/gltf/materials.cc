@@ -240,9 +240,9 @@ void set_surface(Material& out, const Surface& s, const glm::vec3& mean_base) {
 }
 
 /// Converts one glTF material, and records the placements of its textures.
-class Reader {
+class MaterialReader {
  public:
-  Reader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)
+  MaterialReader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)
       : context_(context), textures_(textures), from_(from), what_(std::move(what)) {}
 
   Material read_material() {
@@ -339,7 +339,7 @@ class Reader {
 std::vector<Placements> read_materials(Context& context, Textures& textures) {
   std::vector<Placements> placements;
   for (std::size_t i = 0; i < context.model.materials.size(); ++i) {
-    Reader reader(context, textures, context.model.materials[i], fmt::format("materials[{}]", i));
+    MaterialReader reader(context, textures, context.model.materials[i], fmt::format("materials[{}]", i));
     context.scene.materials.push_back(reader.read_material());
     placements.push_back(reader.texture_placements());
   }

@@ -223,7 +223,7 @@ std::uint32_t Meshes::add_mesh(const tinygltf::Primitive& primitive, const std::
   if (mesh.triangles.empty()) return kNone;
   float reach = 0;
   for (const glm::vec3& p : mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  reaches_.push_back(reach);
+  largest_coordinates_.push_back(reach);
   context_.scene.meshes.push_back(std::move(mesh));
   return static_cast<std::uint32_t>(context_.scene.meshes.size() - 1);
 }

@@ -31,7 +31,7 @@ class Meshes {
   std::vector<std::uint32_t> primitives_of(int mesh, int skin);
 
   /// Returns the largest absolute coordinate of mesh `mesh` of Scene::meshes.
-  float largest_coordinate(std::uint32_t mesh) const { return reaches_[mesh]; }
+  float largest_coordinate(std::uint32_t mesh) const { return largest_coordinates_[mesh]; }
 
  private:
   std::uint32_t add_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
@@ -44,7 +44,7 @@ class Meshes {
   std::vector<Placements> placements_;  ///< texture placements of each of the file's materials
   std::uint32_t default_material_ = kNone;
   std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid meshes by glTF mesh and primitive
-  std::vector<float> reaches_;  ///< for each of Scene::meshes, its largest absolute coordinate
+  std::vector<float> largest_coordinates_;  ///< for each of Scene::meshes, its largest absolute coordinate
 };
 
 }  // namespace traces::gltf

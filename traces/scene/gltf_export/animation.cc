@@ -50,7 +50,7 @@ void normalise_rotation(std::span<float, 4> q) {
 }
 
 /// Replaces keys before time 0, which glTF does not allow, by one key at 0.
-void begin_at_zero(Track& track) {
+void move_first_key_to_zero(Track& track) {
   const auto first = std::ranges::lower_bound(track.times, 0.0F);
   const auto earlier = first - track.times.begin();
   if (earlier == 0) return;
@@ -71,7 +71,7 @@ void begin_at_zero(Track& track) {
 
 /// Makes the key times of an animation track distinct. Of keys at the same time, the first moves to just before that
 /// time, the last stays, and all between are removed.
-void separate_keys(Track& track) {
+void make_key_times_distinct(Track& track) {
   const std::size_t row = track.values.size() / track.times.size();
   std::vector<float> times, values;
   for (std::size_t i = 0; i < track.times.size(); ++i) {
@@ -91,9 +91,9 @@ void separate_keys(Track& track) {
 
 /// Returns the track changed to what glTF allows: key times ascend from 0, rotations have unit length, and a cubic
 /// spline has two keys or more.
-Track make_valid(Track track) {
-  begin_at_zero(track);
-  separate_keys(track);
+Track make_track_valid(Track track) {
+  move_first_key_to_zero(track);
+  make_key_times_distinct(track);
   if (track.interpolation == Track::Interpolation::kCubicSpline && track.times.size() == 1) {
     const auto part = static_cast<std::ptrdiff_t>(track.values.size() / 3);
     track.values = {track.values.begin() + part, track.values.begin() + 2 * part};
@@ -128,7 +128,7 @@ void write_animation(const Scene& scene, const NodeMap& map, Document& out) {
     const bool morphs = track.path == Track::Path::kMorphWeights;
     const std::vector<int> targets = morphs ? map.morphing[track.node] : std::vector<int>{map.gltf_nodes[track.node]};
     if (track.times.empty() || targets.empty() || !moved.emplace(track.node, track.path).second) continue;
-    const Track written = make_valid(track);
+    const Track written = make_track_valid(track);
     const auto [input, is_new] = inputs.try_emplace(written.times, 0);
     if (is_new) input->second = out.add_array(written.times, true);
     tinygltf::AnimationSampler sampler;

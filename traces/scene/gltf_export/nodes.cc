@@ -228,7 +228,7 @@ std::vector<std::uint32_t> roots_of(const Scene& scene) {
 }
 
 /// Moves all root nodes below one new node, except skinned meshes, which ignore the transform of their parent.
-void join_roots(Document& out) {
+void put_roots_under_one_node(Document& out) {
   std::vector<int>& roots = out.model.scenes[0].nodes;
   const auto joined = std::ranges::stable_partition(
       roots, [&](int root) { return out.model.nodes[static_cast<std::size_t>(root)].skin >= 0; });
@@ -294,7 +294,7 @@ void write_skins(const Scene& scene, const NodeMap& map, Document& out) {
     }
     if (!skin.inverse_bind.empty()) to.inverseBindMatrices = out.add_array(skin.inverse_bind);
     out.model.skins.push_back(to);
-    if (joint_roots.size() > 1) join_roots(out);
+    if (joint_roots.size() > 1) put_roots_under_one_node(out);
   }
 }
 

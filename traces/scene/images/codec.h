@@ -22,8 +22,8 @@ class ImageCodec {
   virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                                  std::vector<float>& rgb) const = 0;
   /// Maps values from 0 to 1 to sRGB colours, 3 bytes each, by a colour map of OpenImageIO.
-  virtual std::string map_colours(const char* map, std::span<const float> values,
-                                  std::vector<std::uint8_t>& rgb) const = 0;
+  virtual std::string apply_colour_map(const char* map, std::span<const float> values,
+                                       std::vector<std::uint8_t>& rgb) const = 0;
   /// Draws a line of text in black on white with font file `font`. The result has `height` rows of 8 bits per pixel.
   virtual std::string draw_text(const char* text, const char* font, std::uint32_t height, Size& size,
                                 std::vector<std::uint8_t>& grey) const = 0;

@@ -27,7 +27,7 @@ class QuietLibraries {
   }
   ~QuietLibraries() {
     const std::lock_guard lock(mutex_);
-    if (--users_ == 0) stderr = heard_;
+    if (--users_ == 0) stderr = original_stderr_;
   }
   QuietLibraries(const QuietLibraries&) = delete;
   QuietLibraries& operator=(const QuietLibraries&) = delete;
@@ -35,7 +35,7 @@ class QuietLibraries {
  private:
   static inline std::mutex mutex_;
   static inline std::size_t users_ = 0;
-  static inline std::FILE* const heard_ = stderr;
+  static inline std::FILE* const original_stderr_ = stderr;
 };
 
 /// An image file in memory, opened for reading in one format.
@@ -123,8 +123,8 @@ class OiioCodec : public ImageCodec {
     return {};
   }
 
-  std::string map_colours(const char* map, std::span<const float> values,
-                          std::vector<std::uint8_t>& rgb) const override {
+  std::string apply_colour_map(const char* map, std::span<const float> values,
+                               std::vector<std::uint8_t>& rgb) const override {
     if (values.empty()) return {};
     const OIIO::ImageSpec line(static_cast<int>(values.size()), 1, 1, OIIO::TypeDesc::FLOAT);
     const OIIO::ImageBuf from(line, const_cast<float*>(values.data()));

@@ -54,7 +54,7 @@ glm::vec4 label_colour(float u, float v) {
 
 }  // namespace
 
-void paint_pictures(Scene& scene) {
+void add_room_textures(Scene& scene) {
   scene.textures = {paint_texture("marble", 512, 512, marble_colour),
                     wood_texture("oak", {0.74F, 0.56F, 0.36F}, {0.55F, 0.37F, 0.20F}, 14, 512),
                     paint_texture("terry", 256, 256, terry_colour), paint_texture("stripes", 256, 256, stripes_colour),
@@ -279,8 +279,8 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 /// bristles).
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);
-  paint_pictures(scene);
+  Scene scene = build_to_size(options.triangles_or_default(kClass), furnish_room);
+  add_room_textures(scene);
   add_cameras(scene);
   add_light(scene, {-0.3F, kHeight - 0.3F, 0.25F}, {1, 0.96F, 0.9F});
   add_light(scene, {1.0F, 2.12F, -1.12F}, {0.4F, 0.37F, 0.32F});

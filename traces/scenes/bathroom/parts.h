@@ -16,7 +16,7 @@ inline constexpr float kTubLeft = -1.74F, kTubHalf = 0.86F, kTubZ = -1.02F, kTub
 
 /// Indices of the bathroom's textures in Scene::textures.
 enum Picture : std::uint32_t { kMarble, kOak, kTerry, kStripes, kLabel };
-void paint_pictures(Scene& scene);
+void add_room_textures(Scene& scene);
 
 /// Indices of the bathroom's materials in Scene::materials.
 struct Materials {

@@ -459,7 +459,7 @@ Scene build_car(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "car";
   scene.background = glm::vec3(0.05F);
-  const std::uint64_t wanted = options.triangles_or(kClass);
+  const std::uint64_t wanted = options.triangles_or_default(kClass);
   const Detail rough = detail_for(static_cast<double>(wanted), kClass);
   car::add_hall(scene, rough);
   const Detail detail =

@@ -294,7 +294,7 @@ Scene build_chess(const BuiltinOptions& options) {
   scene.name = "chess";
   scene.background = glm::vec3(0.05F);
   constexpr std::uint32_t kClass = 42'000;
-  const std::uint64_t wanted = options.triangles_or(kClass);
+  const std::uint64_t wanted = options.triangles_or_default(kClass);
   chess::add_surroundings(scene, detail_for(static_cast<double>(wanted), kClass));
   add_pieces(scene, fit_detail(wanted, triangles_of_set, {.made = count_triangles(scene)}));
 

@@ -108,7 +108,7 @@ glm::vec4 page_colour(float u, float v) {
 
 }  // namespace
 
-void paint_pictures(Scene& scene) {
+void add_room_textures(Scene& scene) {
   scene.textures = {
       paint_texture("carpet", 512, 512, carpet_colour),
       wood_texture("panelling wood", {0.66F, 0.44F, 0.25F}, {0.42F, 0.24F, 0.12F}, 3),
@@ -421,8 +421,8 @@ void add_cameras(Scene& scene) {
 /// Builds a room like Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
 Scene build_conference(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 190'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);
-  paint_pictures(scene);
+  Scene scene = build_to_size(options.triangles_or_default(kClass), furnish_room);
+  add_room_textures(scene);
   add_cameras(scene);
   for (const float x : {-2.4F, 0.0F, 2.4F}) {
     Light light;

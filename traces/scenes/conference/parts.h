@@ -13,7 +13,7 @@ inline constexpr float kTableHeight = 0.74F;
 
 /// Indices of the conference room's textures in Scene::textures.
 enum Picture : std::uint32_t { kCarpet, kWood, kTableWood, kFabric, kChart, kHills, kSea, kShapes, kKeys, kPictures };
-void paint_pictures(Scene& scene);
+void add_room_textures(Scene& scene);
 
 /// Indices of the conference room's materials in Scene::materials.
 struct Materials {

@@ -397,7 +397,7 @@ Scene build_forest(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "forest";
   scene.background = {0.66F, 0.76F, 0.72F};
-  forest::Forest(scene, options.triangles_or(forest::kTriangles)).fill_scene();
+  forest::Forest(scene, options.triangles_or_default(forest::kTriangles)).fill_scene();
   Light sun;
   sun.kind = Light::Kind::kDirectional;
   sun.direction = glm::normalize(glm::vec3(0.42F, -0.82F, -0.38F));

@@ -616,7 +616,7 @@ void add_apparatus(Scene& scene, const Looks& looks, const Detail& detail) {
 /// Builds a chemist's bench with nested glass, where most rays are refracted.
 Scene build_laboratory(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 98'000;
-  const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {
+  const Detail detail = fit_detail(options.triangles_or_default(kClass), [](const Detail& at) {
     Scene shapes;
     add_apparatus(shapes, {}, at);
     return count_triangles(shapes);

@@ -15,7 +15,7 @@ constexpr float kBelow = 1;     // depth of the foundations
 constexpr float kEave = 0.55F;  // overhang of the roof
 constexpr float kThick = 0.16F;
 
-void add_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height, bool shutters) {
+void add_window(Parts& parts, const HouseMaterials& p, const glm::mat4& at, float width, float height, bool shutters) {
   const float w = width / 2, h = height;
   parts.add_panel(p.glass, at, {-w, 0, 0.015F}, {width, 0, 0}, {0, h, 0});
   for (const float s : {-1.0F, 1.0F}) {
@@ -37,7 +37,7 @@ void add_window(Parts& parts, const Paints& p, const glm::mat4& at, float width,
   }
 }
 
-void add_door(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
+void add_door(Parts& parts, const HouseMaterials& p, const glm::mat4& at, float width, float height) {
   const float w = width / 2;
   for (int k = 0; k < 5; ++k) {
     const float x = -w + width * static_cast<float>(k) / 5;
@@ -80,7 +80,7 @@ void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float l
   }
 }
 
-void add_chimney(Parts& parts, const Paints& p, const HouseShape& s) {
+void add_chimney(Parts& parts, const HouseMaterials& p, const HouseShape& s) {
   const glm::mat4 at = placement_at({s.width * 0.12F, 0, s.chimney * s.length});
   const float top = s.ridge + 1.15F;
   parts.add_box(p.stone, at, {-0.42F, s.eaves, -0.35F}, {0.42F, top, 0.35F});
@@ -90,7 +90,7 @@ void add_chimney(Parts& parts, const Paints& p, const HouseShape& s) {
   }
 }
 
-void add_dormer(Parts& parts, const Paints& p, const HouseShape& s, double turns, float aside) {
+void add_dormer(Parts& parts, const HouseMaterials& p, const HouseShape& s, double turns, float aside) {
   const float slope = (s.ridge - s.eaves) / (s.width / 2);
   const float floor = s.eaves + 0.25F * (s.ridge - s.eaves);
   const float out = s.width / 2 - (floor - s.eaves) / slope;
@@ -132,7 +132,7 @@ void Parts::add_panel(std::uint32_t material, const glm::mat4& at, const glm::ve
   add_piece(material, mesh, at);
 }
 
-Building Parts::take_meshes(Scene& scene, const std::string& name) const {
+Building Parts::add_meshes_to_scene(Scene& scene, const std::string& name) const {
   Building building;
   for (const auto& [material, mesh] : meshes_) {
     Mesh named = mesh;
@@ -201,7 +201,7 @@ Mesh make_arch(float width, float height, float depth, std::uint32_t steps) {
   return make_extrusion("", outline, depth);
 }
 
-Building add_house(Scene& scene, const std::string& name, const HouseShape& s, const Paints& p, float detail) {
+Building add_house(Scene& scene, const std::string& name, const HouseShape& s, const HouseMaterials& p, float detail) {
   Parts parts;
   add_walls(parts, p.wall, s);
   add_roof(parts, p.roof, p.timber, s, detail);
@@ -232,7 +232,7 @@ Building add_house(Scene& scene, const std::string& name, const HouseShape& s, c
     for (const double turns : {0.0, 0.5}) add_dormer(parts, p, s, turns, x);
   }
   if (!s.barn) add_chimney(parts, p, s);
-  return parts.take_meshes(scene, name);
+  return parts.add_meshes_to_scene(scene, name);
 }
 
 namespace {
@@ -240,7 +240,7 @@ namespace {
 constexpr float kTower = 5.4F, kTowerTop = 17.5F, kSpireTop = 30;
 constexpr float kTowerZ = 11;  // the front of the nave is at 9.5
 
-void add_arch_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
+void add_arch_window(Parts& parts, const HouseMaterials& p, const glm::mat4& at, float width, float height) {
   const glm::mat4 back = at * placement_at({0, 0, -0.04F});
   parts.add_piece(p.stone, make_arch(width + 0.36F, height + 0.2F, 0.12F, 10), back);
   parts.add_piece(p.glass, make_arch(width, height, 0.14F, 10), back);
@@ -251,7 +251,7 @@ void add_arch_window(Parts& parts, const Paints& p, const glm::mat4& at, float w
   parts.add_box(p.stone, at, {-width / 2 - 0.3F, -0.16F, -0.1F}, {width / 2 + 0.3F, 0, 0.25F});
 }
 
-void add_nave(Parts& parts, const Paints& p, const HouseShape& nave) {
+void add_nave(Parts& parts, const HouseMaterials& p, const HouseShape& nave) {
   for (const double turns : {0.0, 0.5}) {
     for (int k = 0; k < 5; ++k) {
       const float x = 3.7F * static_cast<float>(k - 2);
@@ -289,7 +289,7 @@ void add_clock(Parts& parts, const glm::mat4& at, std::uint32_t white, std::uint
   parts.add_box(dark, at, {-0.55F, -0.05F, 0}, {0.15F, 0.05F, 0.2F});
 }
 
-void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t gold) {
+void add_tower(Parts& parts, const HouseMaterials& p, std::uint32_t white, std::uint32_t gold) {
   const float w = kTower / 2;
   const glm::mat4 foot = placement_at({0, 0, kTowerZ});
   for (int side = 0; side < 4; ++side) {
@@ -349,7 +349,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
 
 }  // namespace
 
-Building add_church(Scene& scene, const Paints& p, std::uint32_t white, std::uint32_t gold, float detail) {
+Building add_church(Scene& scene, const HouseMaterials& p, std::uint32_t white, std::uint32_t gold, float detail) {
   Parts parts;
   const HouseShape nave{.width = 9.5F, .length = 19, .eaves = 6.3F, .ridge = 12};
   add_walls(parts, p.wall, nave);
@@ -357,7 +357,7 @@ Building add_church(Scene& scene, const Paints& p, std::uint32_t white, std::uin
   parts.add_box(p.stone, glm::mat4(1), {-4.9F, -1, -9.65F}, {4.9F, 0.6F, 9.65F});
   add_nave(parts, p, nave);
   add_tower(parts, p, white, gold);
-  return parts.take_meshes(scene, "church");
+  return parts.add_meshes_to_scene(scene, "church");
 }
 
 }  // namespace traces::village

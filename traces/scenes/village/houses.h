@@ -8,7 +8,7 @@
 namespace traces::village {
 
 /// Indices of a house's materials in Scene::materials.
-struct Paints {
+struct HouseMaterials {
   std::uint32_t wall, roof, timber, shutter, glass, door, stone;
 };
 
@@ -24,8 +24,9 @@ struct HouseShape {
 /// Indices of the meshes of a building, one per material; each gets one instance wherever the building is shown.
 using Building = std::vector<std::uint32_t>;
 
-Building add_house(Scene& scene, const std::string& name, const HouseShape& shape, const Paints& paints, float detail);
-Building add_church(Scene& scene, const Paints& paints, std::uint32_t white, std::uint32_t gold, float detail);
+Building add_house(Scene& scene, const std::string& name, const HouseShape& shape, const HouseMaterials& paints,
+                   float detail);
+Building add_church(Scene& scene, const HouseMaterials& paints, std::uint32_t white, std::uint32_t gold, float detail);
 
 /// The meshes of a building under construction, one per material.
 class Parts {
@@ -36,7 +37,7 @@ class Parts {
   /// Adds a parallelogram in the coordinate system `at`, with texture coordinates in metres.
   void add_panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
                  const glm::vec3& v);
-  Building take_meshes(Scene& scene, const std::string& name) const;
+  Building add_meshes_to_scene(Scene& scene, const std::string& name) const;
 
  private:
   std::vector<std::pair<std::uint32_t, Mesh>> meshes_;

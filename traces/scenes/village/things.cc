@@ -80,10 +80,10 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
     const float radius[] = {0.028F};
     parts.add_piece(water, make_tube("", jet, radius, 6));
   }
-  return parts.take_meshes(scene, "fountain");
+  return parts.add_meshes_to_scene(scene, "fountain");
 }
 
-Building add_mill(Scene& scene, const Paints& p, std::uint32_t cap, float detail) {
+Building add_mill(Scene& scene, const HouseMaterials& p, std::uint32_t cap, float detail) {
   Parts parts;
   const auto round = std::max(static_cast<std::uint32_t>(40 * detail), 12U);
   const glm::vec2 tower[] = {{3.9F, -1.5F}, {3.9F, 0.3F}, {3.7F, 0.35F}, {3.3F, 4}, {2.9F, 8}, {2.7F, 10.4F}};
@@ -106,7 +106,7 @@ Building add_mill(Scene& scene, const Paints& p, std::uint32_t cap, float detail
       parts.add_panel(p.glass, at, {-0.4F, 0, 0.05F}, {0.8F, 0, 0}, {0, 1, 0});
     }
   }
-  return parts.take_meshes(scene, "mill");
+  return parts.add_meshes_to_scene(scene, "mill");
 }
 
 Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth) {
@@ -128,7 +128,7 @@ Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth) {
     scale_uvs(sail, {4, 1});
     parts.add_piece(cloth, sail, at);
   }
-  return parts.take_meshes(scene, "sails");
+  return parts.add_meshes_to_scene(scene, "sails");
 }
 
 Building add_cart(Scene& scene, std::uint32_t timber, std::uint32_t hay, std::uint32_t iron) {
@@ -150,7 +150,7 @@ Building add_cart(Scene& scene, std::uint32_t timber, std::uint32_t hay, std::ui
   const float radius[] = {0.06F};
   parts.add_piece(iron, make_tube("", axle, radius, 8));
   parts.add_piece(hay, make_rock("", {1.5F, 0.75F, 0.78F}, 16, 0.35F, 77), placement_at({0, 0.78F, 0}));
-  return parts.take_meshes(scene, "cart");
+  return parts.add_meshes_to_scene(scene, "cart");
 }
 
 Mesh make_wheel() {

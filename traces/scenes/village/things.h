@@ -15,7 +15,7 @@ Mesh make_fence(float length);
 Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, float detail);
 
 /// Adds the windmill without its sails, whose hub is at kHub; they turn about +z.
-Building add_mill(Scene& scene, const Paints& paints, std::uint32_t cap, float detail);
+Building add_mill(Scene& scene, const HouseMaterials& paints, std::uint32_t cap, float detail);
 inline constexpr glm::vec3 kHub{0, 11.6F, 3.6F};
 Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth);
 

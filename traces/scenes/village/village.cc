@@ -97,7 +97,7 @@ void add_landscape(Scene& s, float detail) {
 struct HouseKind {
   const char* name;
   HouseShape shape;
-  Paints paints;
+  HouseMaterials paints;
 };
 
 std::vector<HouseKind> house_kinds(const Palette& c) {
@@ -162,7 +162,7 @@ void add_houses(Scene& s, const Palette& c, float detail) {
     add_building_instances(s, buildings[plot.kind],
                            placement_at(point_on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
   }
-  const Paints holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
+  const HouseMaterials holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
   add_building_instances(s, add_church(s, holy, c.white, c.gold, detail),
                          placement_at(point_on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
 }
@@ -211,7 +211,7 @@ void add_square(Scene& s, const Palette& c, float detail) {
 }
 
 void add_windmill(Scene& s, const Palette& c, float detail) {
-  const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
+  const HouseMaterials paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
   const glm::mat4 at = placement_at(point_on_ground(kMill.x, kMill.y), 0.13);
   add_building_instances(s, add_mill(s, paints, c.dark_wood, detail), at);
   constexpr float kQuarter = 23.3F / 15;  // seconds per quarter turn: the sails turn for the whole flight
@@ -257,7 +257,7 @@ void add_cameras(Scene& s) {
 }  // namespace
 
 Scene build_village(const BuiltinOptions& options) {
-  const std::uint32_t triangles = options.triangles_or(kTriangles);
+  const std::uint32_t triangles = options.triangles_or_default(kTriangles);
   const float detail = std::sqrt(static_cast<float>(triangles) / static_cast<float>(kTriangles));
   Scene scene;
   scene.name = "village";

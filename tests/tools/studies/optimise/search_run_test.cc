@@ -41,8 +41,8 @@ class ModelLauncher : public tools::sweep::Launcher {
   ModelLauncher(const tools::sweep::Store& store, Model model) : Launcher(store, false), model_(std::move(model)) {}
 
  private:
-  tools::sweep::BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) override {
-    tools::sweep::BatchEnd end;
+  tools::sweep::BatchResult run_batch(std::span<const Point> points, const PointWatch& watch) override {
+    tools::sweep::BatchResult end;
     for (std::size_t p = 0; p < points.size(); ++p) {
       const bool is_known = store_.is_done(points[p].id);
       if (!is_known) {
@@ -179,7 +179,7 @@ TEST_F(SearchOfModel, KnowsFullPathsAndDirectionsBeforeTheFirstSimulation) {
   EXPECT_EQ(search.goals()[0].metric, "totals.area_mm2");
   EXPECT_EQ(search.goals()[1].metric, "totals.perf.fps");
   EXPECT_TRUE(search.goals()[1].is_larger_better()) << "the direction of the metric, not of its limit";
-  EXPECT_FALSE(search.goals()[1].is_on_each());
+  EXPECT_FALSE(search.goals()[1].applies_to_each_workload());
   EXPECT_EQ(search.goals()[2].metric, "kernels.shade_diffuse.cycles") << "scenes decide which kernels there are";
 }
 

@@ -414,7 +414,7 @@ struct OnWorkloads {
       all += proposed.size();
       for (const Choice& choice : proposed) {
         const std::vector<double> x = position(choice);
-        tools::optimise::FigureValues figures(4);
+        tools::optimise::MetricValues figures(4);
         figures[0] = area(x);
         for (std::size_t w = 0; w < kWorkloads; ++w) {
           figures[w + 1] = speed(x, w);
@@ -466,7 +466,7 @@ TEST(Search, ReadsALimitAgainstTheMetricsDirectionAsTheWorstValue) {
   Search::Options options;
   options.figures = {{0}, {1, 2}};
   const Goal below{Goal::Kind::kBelow, "totals.perf.fps", 100, "", Fold::kWorst};
-  EXPECT_FALSE(below.is_on_each());
+  EXPECT_FALSE(below.applies_to_each_workload());
   Search search({fours(2), [](const Choice&) { return true; }}, {kMin, below}, options);
   search.add_result({0, 0}, std::vector<double>{5, 90, 200});
   search.add_result({0, 1}, std::vector<double>{5, 110, 200});

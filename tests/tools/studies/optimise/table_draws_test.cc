@@ -19,23 +19,23 @@ namespace {
 using namespace tools;
 using namespace tools::optimise;
 
-TEST(FigureSpread, QuantilesOfNoiseAloneAreNormal) {
-  const FigureSpread spread{{100, Draws{4, 100, 2}, 0}, {}};
+TEST(MetricUncertainty, QuantilesOfNoiseAloneAreNormal) {
+  const MetricUncertainty spread{{100, Draws{4, 100, 2}, 0}, {}};
   EXPECT_NEAR(spread.quantile(0.5), 100, 1e-6);
   EXPECT_NEAR(spread.quantile(0.975), 100 + 1.959964, 1e-4);
   EXPECT_NEAR(spread.quantile(0.1), 100 - 1.281552, 1e-4);
-  EXPECT_EQ((FigureSpread{{7, {}, 0}, {}}.quantile(0.9)), 7);
+  EXPECT_EQ((MetricUncertainty{{7, {}, 0}, {}}.quantile(0.9)), 7);
 }
 
-TEST(FigureSpread, QuantilesOfTablesAloneAreThoseOfTheFactors) {
-  FigureSpread spread{{10, {}, 0}, {}};
+TEST(MetricUncertainty, QuantilesOfTablesAloneAreThoseOfTheFactors) {
+  MetricUncertainty spread{{10, {}, 0}, {}};
   for (int i = 1; i <= 100; ++i) spread.factors.push_back(0.01 * i);
   EXPECT_NEAR(spread.quantile(0.9), 9, 0.11);
   EXPECT_NEAR(spread.quantile(0.5), 5, 0.11);
 }
 
-TEST(FigureSpread, TheQuantileMeetsALimitWithItsProbability) {
-  FigureSpread spread{{3, Draws{5, 3, 0.4}, 0}, {}};
+TEST(MetricUncertainty, TheQuantileMeetsALimitWithItsProbability) {
+  MetricUncertainty spread{{3, Draws{5, 3, 0.4}, 0}, {}};
   for (std::uint64_t i = 0; i < kTableDraws; ++i)
     spread.factors.push_back(0.7 + 0.6 * sim::hash_to_unit_float(sim::hash(1, i)));
   for (const double share : {0.5, 0.8, 0.95}) {
@@ -85,7 +85,7 @@ TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
         report.json["totals"]["replicates"]["figures"]["power_w"]["nominal"]["values"].get<std::vector<double>>();
     const std::vector<double> known(plays.begin(), plays.begin() + kPlays), future(plays.begin() + kPlays, plays.end());
     const Draws draws = draw_statistics(known);
-    FigureSpread spread = TableDraws(report).spread_of(kPath, {draws.mean, draws});
+    MetricUncertainty spread = TableDraws(report).uncertainty_of(kPath, {draws.mean, draws});
     // A limit near the power of the design, drawn too.
     const double wish = 0.7 + 0.6 * sim::hash_to_unit_float(sim::hash(53, i, 9));
     const Goal limit{Goal::Kind::kBelow, kPath, wish * draws.mean, ""};

@@ -67,15 +67,15 @@ TEST(PagePictures, AreAveragedOverSquaresIfTooLarge) {
   const std::vector<std::uint8_t> rgb = {10, 0, 0, 20, 0, 0, 100, 0, 5, 30, 0, 0, 40, 0, 0, 100, 0, 5};
   const auto file = folder.path() / "picture.png";
   traces::write_png(file, 3, 2, rgb);
-  EXPECT_EQ(page_picture(file, 6), data_url("image/png", read_bytes(file))) << "one that fits is taken as it is";
+  EXPECT_EQ(picture_as_data_url(file, 6), data_url("image/png", read_bytes(file))) << "one that fits is taken as it is";
   traces::Texture small;
   small.width = 2;
   small.height = 1;
   small.texels = {0xff000019, 0xff050064};  // mean of 10, 20, 30, 40; the right column alone
-  EXPECT_EQ(page_picture(file, 5), data_url("image/png", traces::encode_png(small)));
+  EXPECT_EQ(picture_as_data_url(file, 5), data_url("image/png", traces::encode_png(small)));
   folder.write("text.png", "no picture");
-  EXPECT_FALSE(page_picture(folder.path() / "text.png", 6));
-  EXPECT_FALSE(page_picture(folder.path() / "none.png", 6));
+  EXPECT_FALSE(picture_as_data_url(folder.path() / "text.png", 6));
+  EXPECT_FALSE(picture_as_data_url(folder.path() / "none.png", 6));
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_P(EachPaper, HasANumberForEveryRowOfAQuickRun) {
 
 TEST_P(EachPaper, MeasuresEveryPublishedMetric) {
   const std::set<MetricKey> measured = metric_keys(GetParam(), false);
-  for (const auto& [key, range] : load_published(std::string(GetParam().name))) {
+  for (const auto& [key, range] : load_published_values(std::string(GetParam().name))) {
     EXPECT_TRUE(measured.contains(key)) << name_of(key);
     EXPECT_LE(range.low, range.high) << name_of(key);
   }
@@ -107,14 +107,14 @@ TEST_P(EachPaper, NamesMetricsThatExistAndEachPictureOnce) {
   }
 }
 
-TEST(Published, HoldsNumbersAndRanges) {
-  const Published p =
-      parse_published("table 1:\n  teapot:\n    super: {psnr_db: 48.99, tni_power: {low: 1, high: 1.09}}\n", "p.yaml");
+TEST(PublishedValues, HoldsNumbersAndRanges) {
+  const PublishedValues p = parse_published_values(
+      "table 1:\n  teapot:\n    super: {psnr_db: 48.99, tni_power: {low: 1, high: 1.09}}\n", "p.yaml");
   EXPECT_EQ(p.at({"table 1", "teapot", "super", "psnr_db"}), (Range{48.99, 48.99}));
   EXPECT_EQ(p.at({"table 1", "teapot", "super", "tni_power"}), (Range{1, 1.09}));
 }
 
-TEST(Published, IsRefusedWithItsPlaceIfInvalid) {
+TEST(PublishedValues, IsRefusedWithItsPlaceIfInvalid) {
   const std::pair<const char*, const char*> wrong[] = {{"a: 1\n", "p.yaml:1:1: 'a'"},
                                                        {"a: {b: {c: {d: x}}}\n", "'d' must be a number"},
                                                        {"a: {b: {c: {d: .inf}}}\n", "'d' must be a number"},
@@ -123,7 +123,7 @@ TEST(Published, IsRefusedWithItsPlaceIfInvalid) {
                                                        {"a: {b: {c: [1]}}\n", "'c' must be a mapping"}};
   for (const auto& [text, says] : wrong) {
     try {
-      parse_published(text, "p.yaml");
+      parse_published_values(text, "p.yaml");
       ADD_FAILURE() << text;
     } catch (const sim::InputError& error) {
       EXPECT_SAYS(std::string(error.what()), says);

@@ -14,7 +14,7 @@ namespace test {
 namespace {
 
 using tools::Draws;
-using tools::MeasuredFigure;
+using tools::MeasuredMetric;
 using tools::sweep::check_ranks_machines;
 using tools::sweep::check_workload;
 using tools::sweep::evaluate_set_metric;
@@ -34,12 +34,12 @@ std::string set_metric_error(auto&& call) {
   return "";
 }
 
-MeasuredFigure exact_figure(double value) { return {value, {}, 0}; }
-MeasuredFigure measured_figure(double mean, double deviation, std::size_t count) {
+MeasuredMetric exact_figure(double value) { return {value, {}, 0}; }
+MeasuredMetric measured_figure(double mean, double deviation, std::size_t count) {
   return {mean, Draws{count, mean, deviation}, 0};
 }
 
-std::vector<WorkloadValue> three_workloads(MeasuredFigure a, MeasuredFigure b, MeasuredFigure c) {
+std::vector<WorkloadValue> three_workloads(MeasuredMetric a, MeasuredMetric b, MeasuredMetric c) {
   return {{"hall", a}, {"tree", b}, {"chess", c}};
 }
 double folded_value(const std::string& text, const std::vector<WorkloadValue>& values, bool larger_is_better = true) {
@@ -132,19 +132,19 @@ TEST(SetMetric, DirectionIsThatOfTheMetricOrElseOfTheGoal) {
 TEST(SetMetric, MeansAddTheVariancesOfTheWorkloads) {
   const auto values =
       three_workloads(measured_figure(100, 2, 4), measured_figure(200, 4, 4), measured_figure(400, 4, 4));
-  const MeasuredFigure mean = *evaluate_set_metric(parse_set_metric("mean(fps)"), values, true);
+  const MeasuredMetric mean = *evaluate_set_metric(parse_set_metric("mean(fps)"), values, true);
   EXPECT_NEAR(mean.standard_error(), std::sqrt(1 + 4 + 4) / 3, 1e-12);
   // Welch-Satterthwaite: 9^2 / (1/3 + 16/3 + 16/3) = 7.36, rounded down
   EXPECT_EQ(mean.draws->count - 1, 7U);
-  const MeasuredFigure geomean = *evaluate_set_metric(parse_set_metric("geomean(fps)"), values, true);
+  const MeasuredMetric geomean = *evaluate_set_metric(parse_set_metric("geomean(fps)"), values, true);
   EXPECT_NEAR(geomean.value, 200, 1e-9);
   EXPECT_NEAR(geomean.standard_error(), 200 * std::sqrt(1e-4 + 1e-4 + 0.25e-4) / 3, 1e-9);
 }
 
 TEST(SetMetric, AssumedNoiseIsPropagatedAsAShare) {
-  const MeasuredFigure ten{100, {}, 0.1};
+  const MeasuredMetric ten{100, {}, 0.1};
   const auto values = three_workloads(ten, ten, ten);
-  const MeasuredFigure mean = *evaluate_set_metric(parse_set_metric("mean(fps)"), values, true);
+  const MeasuredMetric mean = *evaluate_set_metric(parse_set_metric("mean(fps)"), values, true);
   EXPECT_FALSE(mean.draws);
   EXPECT_NEAR(mean.standard_error(), ten.standard_error() / std::sqrt(3.0), 1e-12);
   EXPECT_EQ(evaluate_set_metric(parse_set_metric("on(tree, fps)"), values, true)->assumed, 0.1);
@@ -173,7 +173,7 @@ double false_share(std::size_t equal, double deviation_of_other) {
     std::vector<double> all;
     for (std::size_t i = 0; i < kPlays; ++i) all.push_back(mean + deviation * noise(random));
     const Draws draws = tools::draw_statistics(all);
-    return MeasuredFigure{draws.mean, draws, 0};
+    return MeasuredMetric{draws.mean, draws, 0};
   };
   const SetMetric worst = parse_set_metric("worst(fps)");
   std::size_t found = 0;
@@ -181,7 +181,7 @@ double false_share(std::size_t equal, double deviation_of_other) {
     std::vector<WorkloadValue> a, b = {{"0", play(100, deviation_of_other)}};
     for (std::size_t i = 0; i < equal; ++i) a.push_back({std::to_string(i), play(100, 1)});
     for (std::size_t i = 1; i < equal; ++i) b.push_back({std::to_string(i), play(200, 1)});
-    const MeasuredFigure low = *evaluate_set_metric(worst, a, true), high = *evaluate_set_metric(worst, b, true);
+    const MeasuredMetric low = *evaluate_set_metric(worst, a, true), high = *evaluate_set_metric(worst, b, true);
     found += tools::difference_of(low, high).one_sided_p_value() <= 0.05 ? 1 : 0;
   }
   return static_cast<double>(found) / double{kTrials};

@@ -86,7 +86,7 @@ TEST_F(SweepStreams, OfABatchAreRecordedOnceAndRemovedAfterwards) {
   const std::vector<Point> points = points_of("axes: {program: [full:1, full:4], cores: [1, 2]}\nimage: no\n");
   const auto launcher = make_local_launcher(store, {.jobs = 1, .threads = 1});
   bool was_there = false;
-  const BatchEnd end = launcher->run(
+  const BatchResult end = launcher->run(
       points, [&](std::size_t p, PointStatus) { was_there |= fs::exists(store.stream_file(points[p].stream)); });
   EXPECT_EQ(end.count_of(PointStatus::kComputed), 4U);
   EXPECT_TRUE(was_there);
@@ -97,7 +97,7 @@ TEST_F(SweepStreams, ALauncherTakesBatchAfterBatch) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
   const auto launcher = make_local_launcher(store, {.jobs = 2, .threads = 1});
   EXPECT_EQ(launcher->run(std::span(points).first(2)).count_of(PointStatus::kComputed), 2U);
-  const BatchEnd second = launcher->run(points);
+  const BatchResult second = launcher->run(points);
   EXPECT_EQ(second.statuses,
             (std::vector{PointStatus::kDone, PointStatus::kDone, PointStatus::kComputed, PointStatus::kComputed}));
   EXPECT_EQ(second.workers, 2U);

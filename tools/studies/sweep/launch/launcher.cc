@@ -31,7 +31,7 @@ namespace tools::sweep {
 namespace {
 
 /// Adds the duration and the worker utilisation of a later batch to those of `end`.
-void add_times(const BatchEnd& later, BatchEnd& end) {
+void add_times(const BatchResult& later, BatchResult& end) {
   const double seconds = end.seconds + later.seconds;
   if (seconds > 0) end.busy = (end.busy * end.seconds + later.busy * later.seconds) / seconds;
   end.seconds = seconds;
@@ -41,7 +41,7 @@ void add_times(const BatchEnd& later, BatchEnd& end) {
 
 }  // namespace
 
-std::uint64_t BatchEnd::count_of(PointStatus status) const {
+std::uint64_t BatchResult::count_of(PointStatus status) const {
   return static_cast<std::uint64_t>(std::ranges::count(statuses, status));
 }
 
@@ -65,8 +65,8 @@ class Launcher::CutBatch {
     }
   }
 
-  BatchEnd run(const PointWatch& watch, const SliceWatch& slice_watch) {
-    BatchEnd end = launcher_.run_batch(jobs_, [&](std::size_t j, PointStatus status) {
+  BatchResult run(const PointWatch& watch, const SliceWatch& slice_watch) {
+    BatchResult end = launcher_.run_batch(jobs_, [&](std::size_t j, PointStatus status) {
       jobs_[j].slice != 0 ? slice_watch(point_of_[j]) : watch(point_of_[j], status);
     });
     std::vector<PointStatus> statuses(points_.size(), PointStatus::kMissing);
@@ -94,7 +94,7 @@ class Launcher::CutBatch {
   }
 
   /// Joins slices that are still unjoined because the worker of the last slice ended too early.
-  void join_slices(BatchEnd& end, const PointWatch& watch) {
+  void join_slices(BatchResult& end, const PointWatch& watch) {
     std::vector<Point> wholes;
     std::vector<std::size_t> indices;
     for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -104,7 +104,7 @@ class Launcher::CutBatch {
       wholes.push_back(points_[p]);
       indices.push_back(p);
     }
-    const BatchEnd joined = launcher_.run_batch(wholes, [&](std::size_t w, PointStatus status) {
+    const BatchResult joined = launcher_.run_batch(wholes, [&](std::size_t w, PointStatus status) {
       const bool is_new = status == PointStatus::kDone && cut_[indices[w]].is_new;
       end.statuses[indices[w]] = is_new ? PointStatus::kComputed : status;
       watch(indices[w], end.statuses[indices[w]]);
@@ -119,7 +119,7 @@ class Launcher::CutBatch {
   std::vector<std::size_t> point_of_;  ///< index of the point of each job
 };
 
-BatchEnd Launcher::run(std::span<const Point> points, const PointWatch& watch, const SliceWatch& slice_watch) {
+BatchResult Launcher::run(std::span<const Point> points, const PointWatch& watch, const SliceWatch& slice_watch) {
   if (std::ranges::none_of(points, &Point::is_cut)) return run_batch(points, watch);
   return CutBatch(*this, points).run(watch, slice_watch);
 }
@@ -193,7 +193,7 @@ class LocalLauncher final : public Launcher {
   ~LocalLauncher() override { stop_workers(); }
 
  private:
-  BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) override {
+  BatchResult run_batch(std::span<const Point> points, const PointWatch& watch) override {
     if (!options_.log.empty()) sim::make_folders(options_.log);
     Batch batch(*this, points, watch);
     try {
@@ -233,7 +233,7 @@ class LocalLauncher final : public Launcher {
       remove_unused_streams();
     }
 
-    BatchEnd run() {
+    BatchResult run() {
       if (waiting_.empty()) return std::move(end_);
       const sim::HostClock::time_point begin = sim::HostClock::now();
       end_.workers = static_cast<std::uint32_t>(std::min(launcher_.workers_.size(), waiting_.size()));
@@ -418,7 +418,7 @@ class LocalLauncher final : public Launcher {
     std::vector<sim::HostClock::time_point> begun_;  ///< time at which each worker began its point
     std::size_t left_ = 0;
     double busy_ = 0;  ///< s
-    BatchEnd end_;
+    BatchResult end_;
   };
 
   void start_worker(Worker& worker) {

@@ -15,7 +15,7 @@
 namespace tools::sweep {
 
 /// Result of simulating a batch of points of a sweep.
-struct BatchEnd {
+struct BatchResult {
   std::vector<PointStatus> statuses;  ///< statuses in the order of the batch's points
   double seconds = 0;                 ///< host time from the first point begun to the last one finished
   double busy = 0;                    ///< share of `seconds` in which workers had a point; 0 if none was begun
@@ -27,7 +27,7 @@ struct BatchEnd {
 /// Simulates batches of points of a sweep and writes the results to a store.
 ///
 ///   const auto launcher = make_local_launcher(store, {.jobs = 2});
-///   const BatchEnd end = launcher->run(points);
+///   const BatchResult end = launcher->run(points);
 ///   if (is_done(end.statuses[0])) use(*store.read_report(points[0].id));
 ///
 /// 1. Points must have their ids (PointKeys::set_key). Points with the same id are simulated once.
@@ -46,7 +46,7 @@ class Launcher {
   using SliceWatch = std::function<void(std::size_t point)>;
   /// Returns when all points have ended, or when an interrupt is pending (the caller delays interrupts,
   /// tools/host/process.h). Throws IoError if the store cannot be written; finished points are kept.
-  BatchEnd run(
+  BatchResult run(
       std::span<const Point> points, const PointWatch& watch = [](std::size_t, PointStatus) {},
       const SliceWatch& slice_watch = [](std::size_t) {});
 
@@ -54,7 +54,7 @@ class Launcher {
   Launcher(Store store, bool retry_failed) : store_(std::move(store)), retry_failed_(retry_failed) {}
 
   /// Simulates slices and uncut points. A cut point is passed after all its slices have ended, to join them.
-  virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
+  virtual BatchResult run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
   /// True if a point with this status must still be computed: it is not done, and if it failed, it is retried.
   bool needs_computing(PointStatus status) const {

@@ -433,9 +433,9 @@ void remove_empty_logs(const fs::path& log) {
 
 }  // namespace
 
-BatchEnd SlurmLauncher::run_batch(std::span<const Point> points, const PointWatch& watch) {
+BatchResult SlurmLauncher::run_batch(std::span<const Point> points, const PointWatch& watch) {
   constexpr double kShortestPause = 0.5, kLongestPause = 15, kSettle = 2;  // s
-  BatchEnd end;
+  BatchResult end;
   end.statuses.assign(points.size(), PointStatus::kMissing);
   std::vector<std::size_t> open;
   const auto update = [&](PointStatus if_done) {

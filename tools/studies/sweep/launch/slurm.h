@@ -40,7 +40,7 @@ class SlurmLauncher final : public Launcher {
  private:
   /// Submits the points and waits until they have ended. If this process is interrupted, the jobs continue. If a task
   /// is stopped, its points stay kMissing.
-  BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) override;
+  BatchResult run_batch(std::span<const Point> points, const PointWatch& watch) override;
   std::string submit_array(std::span<const std::string> lines);
 
   const SweepFolder folder_;

@@ -28,7 +28,7 @@ constexpr std::size_t kLongestCommand = 4096;
 constexpr double kLittle = 0.05;  // an axis that explains a smaller share of the variance matters little
 
 /// Returns a table of the best point and the points that tie with it (`rows`), with the axes in which they differ.
-std::string tie_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+std::string tie_table(const Results& results, const RankedRows& ranked, const MetricNoise& noise,
                       const std::vector<std::size_t>& rows) {
   std::vector<Column> columns;
   std::vector<std::string> header = {ranked.noun()};
@@ -59,7 +59,7 @@ std::string tie_table(const Results& results, const RankedRows& ranked, const Fi
 /// 1. All values of the axis tie: the axis does not matter if it surely explains less than 5 % of the variance;
 ///    otherwise noise hides its best value.
 /// 2. Not all values tie: the axis matters, or matters little if it explains less than 5 % of the variance.
-std::string axis_table(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+std::string axis_table(const Results& results, const RankedRows& ranked, const MetricNoise& noise,
                        const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& ties) {
   std::vector<bool> selected(results.rows().size());
   for (const std::size_t row : ranked.points_of(results, candidates)) selected[row] = true;
@@ -97,7 +97,7 @@ std::string axis_table(const Results& results, const RankedRows& ranked, const F
 
 /// Describes the points that tie with the best one: the axes in which they differ, and for each axis its values and the
 /// share of the variance over all candidates that it explains.
-std::string ties_text(const Results& results, const RankedRows& ranked, const FigureNoise& noise,
+std::string ties_text(const Results& results, const RankedRows& ranked, const MetricNoise& noise,
                       const std::vector<std::size_t>& candidates, std::size_t first,
                       const std::vector<std::size_t>& ties) {
   std::vector<std::size_t> rows = {first};
@@ -116,7 +116,7 @@ std::string ties_text(const Results& results, const RankedRows& ranked, const Fi
 
 }  // namespace
 
-std::vector<std::size_t> find_ties(const FigureNoise& noise, bool more_is_better,
+std::vector<std::size_t> find_ties(const MetricNoise& noise, bool more_is_better,
                                    const std::vector<std::size_t>& candidates, std::size_t first) {
   std::vector<std::size_t> others, ties;
   std::vector<double> p_values;
@@ -160,7 +160,7 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 
 /// Returns the value of a metric at a point as text: "664.5", or with replicates "664.5 ± 0.6 %, mean of 5 plays".
 std::string figure_text(const Results& results, const Column& figure, std::size_t row) {
-  const FigureNoise noise(results, figure, {row});
+  const MetricNoise noise(results, figure, {row});
   const std::string value = shown_cells(noise.means(), {row}).front();
   if (!noise.is_measured()) return value;
   return fmt::format("{} {}, mean of {} plays", value, interval_text(noise, row), noise.replicate_count(row));
@@ -258,7 +258,7 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
     const bool has_result = metric.fold || results.rows()[row].is_done();
     if (ranked.selected[row] && has_result && magnitude_of(metric.values[row])) candidates.push_back(row);
   }
-  const FigureNoise noise(results, metric, candidates);
+  const MetricNoise noise(results, metric, candidates);
   std::optional<std::size_t> best;
   std::size_t equal = 0;
   double figure = 0;
@@ -376,7 +376,7 @@ std::string path_of(std::string_view text) {
 }
 
 /// Returns true for "max:PATH", false for "min:PATH", and nothing for a bare path.
-std::optional<bool> stated_direction(std::string_view text) {
+std::optional<bool> explicit_direction(std::string_view text) {
   const bool is_max = text.starts_with("max:");
   return is_max || text.starts_with("min:") ? std::optional(is_max) : std::nullopt;
 }
@@ -450,14 +450,14 @@ void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& c
 }
 
 /// Returns a line on the noise of an objective; empty if it has none.
-std::string noise_line(const Objective& objective, const FigureNoise& noise) {
+std::string noise_line(const Objective& objective, const MetricNoise& noise) {
   return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.describe()) : std::string();
 }
 
 /// Returns for each row of the Pareto front whether it is significantly better than every other row in at least one
 /// metric. All comparisons of a row together have an error of 5 %.
-std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
-                                  const FigureNoise& y_noise, const ParetoFront& front) {
+std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const MetricNoise& x_noise,
+                                  const MetricNoise& y_noise, const ParetoFront& front) {
   const std::vector<std::size_t> all = front.all_rows();
   const double level = kError / (2 * static_cast<double>(all.size()));
   std::vector<bool> sure;
@@ -474,8 +474,8 @@ std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const 
 }  // namespace
 
 Objective::Objective(const Results& results, const std::string& text)
-    : column(results.column(path_of(text), stated_direction(text))),
-      more_is_better(stated_direction(text).value_or(sweep::is_larger_better(report_path(column)).value_or(false))) {}
+    : column(results.column(path_of(text), explicit_direction(text))),
+      more_is_better(explicit_direction(text).value_or(sweep::is_larger_better(report_path(column)).value_or(false))) {}
 
 std::optional<double> Objective::value_of(std::size_t row) const {
   const std::optional<sweep::Magnitude> number = magnitude_of(column.values[row]);
@@ -521,12 +521,12 @@ ParetoFront find_front(const Objective& x, const Objective& y, const std::vector
   return front;
 }
 
-std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
-                                         const FigureNoise& y_noise, const ParetoFront& front,
+std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const MetricNoise& x_noise,
+                                         const MetricNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
   const std::vector<std::size_t> all = front.all_rows();
   const double level = kError / static_cast<double>(all.size());
-  const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
+  const auto is_as_good = [&](const Objective& o, const MetricNoise& noise, std::size_t better, std::size_t worse) {
     return noise.p_value_better(better, worse, o.more_is_better) <= level ||
            (!noise.is_noisy() && *o.value_of(better) == *o.value_of(worse));
   };
@@ -549,7 +549,7 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   for (std::size_t row = 0; row < ranked.selected.size(); ++row) {
     if (ranked.selected[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
   }
-  const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
+  const MetricNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
   x.column = x_noise.means();
   y.column = y_noise.means();
   ParetoFront front = find_front(x, y, ranked.selected);

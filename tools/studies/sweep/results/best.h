@@ -14,7 +14,7 @@ namespace tools::results {
 
 /// Returns the rows of `candidates` that are not significantly worse than `first`, the best row. They are ordered from
 /// the best, without `first`. All tests together have an error of 5 %.
-std::vector<std::size_t> find_ties(const FigureNoise& noise, bool more_is_better,
+std::vector<std::size_t> find_ties(const MetricNoise& noise, bool more_is_better,
                                    const std::vector<std::size_t>& candidates, std::size_t first);
 
 struct BestOptions {
@@ -58,8 +58,8 @@ ParetoFront find_front(const Objective& x, const Objective& y, const std::vector
 
 /// Returns the dominated rows (`front.other`) that no other row dominates significantly. A row's comparisons together
 /// have an error of 5 %. `sure`: a row dominates only if this also returns true; may be empty.
-std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
-                                         const FigureNoise& y_noise, const ParetoFront& front,
+std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const MetricNoise& x_noise,
+                                         const MetricNoise& y_noise, const ParetoFront& front,
                                          const std::function<bool(std::size_t better, std::size_t worse)>& sure);
 
 struct ParetoOptions {

@@ -517,7 +517,7 @@ class MachineColumns {
     return columns;
   }
   Column fold(Kind kind, const std::string& path, std::vector<Value> values) const {
-    return fold_column(machines_, {kind, path, {}}, {path, std::move(values)}, false);
+    return fold_column_over_workloads(machines_, {kind, path, {}}, {path, std::move(values)}, false);
   }
   /// Returns the value of a metric at each point; the mean of its replicates if it has some.
   std::vector<Value> means_of(const std::string& path) const {

@@ -57,7 +57,7 @@ double sampling_error(const ReportFile& report, const std::string& figure) {
 
 }  // namespace
 
-MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
+MeasuredMetric read_noisy_metric(const ReportFile& report, const std::string& path) {
   const double value = report.number(path);
   const std::string name = is_totals_path(path) ? metric_name(path) : std::string();
   if (!tools::is_noisy(name)) return {.value = value};
@@ -74,7 +74,7 @@ MeasuredFigure seen_figure(const ReportFile& report, const std::string& path) {
   return {value, std::nullopt, std::hypot(default_noise(pixels, name), sampled)};
 }
 
-FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
+MetricNoise::MetricNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()), replicates_(results.rows().size()) {
   if (figure.fold) {
     fold_noise(results, figure, rows);
@@ -104,26 +104,26 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
       means_.values[row] = mean.values[row];
     }
     if (measured_) {
-      range([](const MeasuredFigure& seen) { return static_cast<double>(seen.draws->count); });
+      range([](const MeasuredMetric& seen) { return static_cast<double>(seen.draws->count); });
       return;
     }
   }
   const std::vector<double> assumed = assumed_noise(results, rows, name);
   for (const std::size_t row : rows) seen_[row].assumed = assumed[row];
-  range([](const MeasuredFigure& seen) { return seen.assumed; });
+  range([](const MeasuredMetric& seen) { return seen.assumed; });
 }
 
-void FigureNoise::fold_noise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows) {
+void MetricNoise::fold_noise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows) {
   const MachineSet& machines = results.machines();
   const Fold& fold = *figure.fold;
   std::vector<std::size_t> points = machines.points_of(rows);
   std::erase_if(points, [&](std::size_t row) { return !magnitude_of(fold.points.values[row]); });
-  const FigureNoise of_points(results, fold.points, points);
+  const MetricNoise of_points(results, fold.points, points);
   noisy_ = of_points.noisy_;
   measured_ = of_points.measured_;
   least_ = of_points.least_;
   most_ = of_points.most_;
-  means_ = refold(machines, fold, of_points.means_);
+  means_ = fold_other_values(machines, fold, of_points.means_);
   for (const std::size_t row : rows) {
     std::vector<sweep::WorkloadValue> values;
     const auto& of_machine = machines.rows[machines.machine_of[row]];
@@ -135,22 +135,22 @@ void FigureNoise::fold_noise(const Results& results, const Column& figure, const
         replicates_[row] = of_points.replicates_[*of_machine[w]];
       }
     }
-    seen_[row] = sweep::evaluate_set_metric(fold.metric, values, fold.larger_is_better).value_or(MeasuredFigure{});
+    seen_[row] = sweep::evaluate_set_metric(fold.metric, values, fold.larger_is_better).value_or(MeasuredMetric{});
   }
 }
 
-double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool more_is_better) const {
+double MetricNoise::p_value_better(std::size_t b, std::size_t a, bool more_is_better) const {
   MeanDifference d = difference_of(seen_[a], seen_[b]);
   if (!more_is_better) d.value = -d.value;
   return d.one_sided_p_value();
 }
 
-std::string interval_text(const FigureNoise& noise, std::size_t row) {
+std::string interval_text(const MetricNoise& noise, std::size_t row) {
   const double value = number_at(noise.means(), row);
   return fmt::format("± {:.2g} %", value == 0 ? 0 : 100 * noise.half_width(row) / std::abs(value));
 }
 
-std::string FigureNoise::describe() const {
+std::string MetricNoise::describe() const {
   if (is_measured()) {
     const std::string to = least_ == most_ ? "" : fmt::format(" to {:.0f}", most_);
     return fmt::format("noise measured by {:.0f}{} replicates per point", least_, to);
@@ -194,16 +194,16 @@ std::vector<std::string> extrapolation_lines(const sim::Json& report) {
   return lines;
 }
 
-std::string energy_draws_note(const std::vector<const FigureNoise*>& figures) {
-  const auto some = [&](auto is) { return std::ranges::any_of(figures, [&](const FigureNoise* f) { return is(*f); }); };
+std::string energy_draws_note(const std::vector<const MetricNoise*>& figures) {
+  const auto some = [&](auto is) { return std::ranges::any_of(figures, [&](const MetricNoise* f) { return is(*f); }); };
   std::string out;
-  if (some([](const FigureNoise& f) { return f.is_noisy(); })) {
+  if (some([](const MetricNoise& f) { return f.is_noisy(); })) {
     out += "the draws vary the energy tables only; they do not include noise\n";
   }
-  if (some([](const FigureNoise& f) { return f.is_noisy() && f.is_measured(); })) {
+  if (some([](const MetricNoise& f) { return f.is_noisy() && f.is_measured(); })) {
     out += "a draw takes the counts of replicate 0, and the metric is the mean of all replicates\n";
   }
-  if (some([](const FigureNoise& f) { return report_path(f.means()).ends_with("_per_mm2"); })) {
+  if (some([](const MetricNoise& f) { return report_path(f.means()).ends_with("_per_mm2"); })) {
     out += "area is nominal in all draws\n";
   }
   return out;

@@ -15,16 +15,16 @@ namespace tools::results {
 
 /// Returns the value of a report's metric with its noise. The noise is measured by replicates, or else assumed from the
 /// size of the picture and the tile sampling.
-MeasuredFigure seen_figure(const ReportFile& report, const std::string& path);
+MeasuredMetric read_noisy_metric(const ReportFile& report, const std::string& path);
 
 /// Significance level of all tests of differences against noise.
 inline constexpr double kError = 0.05;
 
 /// Noise of a metric at some points of a sweep: measured if all of them have replicates, otherwise assumed for the size
 /// of their pictures. For a function over workloads it is computed from the points of a machine.
-class FigureNoise {
+class MetricNoise {
  public:
-  FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
+  MetricNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
 
   /// True if the metric has noise, because it depends on small differences in the timing of tiles.
   bool is_noisy() const { return noisy_; }
@@ -48,13 +48,13 @@ class FigureNoise {
 
   bool noisy_ = false, measured_ = false;
   Column means_;
-  std::vector<MeasuredFigure> seen_;     ///< value with its noise, by row
+  std::vector<MeasuredMetric> seen_;     ///< value with its noise, by row
   std::vector<std::size_t> replicates_;  ///< by row, if noise is measured
   double least_ = 0, most_ = 0;          ///< range of the assumed noise, or of the number of replicates
 };
 
 /// Returns the half-width of the 95 % interval of a point's value as text: "± 0.52 %".
-std::string interval_text(const FigureNoise& noise, std::size_t row);
+std::string interval_text(const MetricNoise& noise, std::size_t row);
 
 // Notes below a table of results. The text is empty if there is nothing to note.
 
@@ -63,6 +63,6 @@ std::string extrapolated_note(const Results& results, const std::vector<std::siz
 /// Returns a report's warnings about extrapolated energy, area or latency.
 std::vector<std::string> extrapolation_lines(const sim::Json& report);
 /// States what random draws of the energy tables ignore: noise, later replicates, and the uncertainty of the area.
-std::string energy_draws_note(const std::vector<const FigureNoise*>& figures);
+std::string energy_draws_note(const std::vector<const MetricNoise*>& figures);
 
 }  // namespace tools::results

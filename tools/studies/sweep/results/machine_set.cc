@@ -73,7 +73,7 @@ std::vector<std::size_t> MachineSet::points_of(const std::vector<std::size_t>& o
   return {all.begin(), all.end()};
 }
 
-std::vector<bool> MachineSet::with_all_points(const std::vector<bool>& met) const {
+std::vector<bool> MachineSet::machines_with_all_points(const std::vector<bool>& met) const {
   std::vector<bool> out(met.size());
   for (std::size_t machine = 0; machine < rows.size(); ++machine) {
     out[first_row(machine)] = std::ranges::all_of(rows[machine], [&](const auto& row) { return !row || met[*row]; });
@@ -117,7 +117,7 @@ MachineSet group_points(std::span<const std::string> axes, const std::vector<std
   return set;
 }
 
-Column refold(const MachineSet& machines, const Fold& fold, Column points) {
+Column fold_other_values(const MachineSet& machines, const Fold& fold, Column points) {
   auto again = std::make_shared<Fold>(fold.metric, std::move(points), fold.larger_is_better);
   sweep::SetMetric shown = fold.metric;
   shown.path = fold.points.name;
@@ -132,8 +132,8 @@ Column refold(const MachineSet& machines, const Fold& fold, Column points) {
   return column;
 }
 
-Column fold_column(const MachineSet& machines, sweep::SetMetric metric, Column points,
-                   std::optional<bool> larger_in_goal) {
+Column fold_column_over_workloads(const MachineSet& machines, sweep::SetMetric metric, Column points,
+                                  std::optional<bool> larger_in_goal) {
   sweep::check_workload(metric, machines.workloads);
   const std::optional<bool> known = sweep::is_larger_better(points.name);
   if (metric.kind == sweep::SetMetric::Kind::kWorst && !known && !larger_in_goal) {
@@ -142,7 +142,7 @@ Column fold_column(const MachineSet& machines, sweep::SetMetric metric, Column p
                     sim::printable(metric.text()), shown_name(points), metric.path, metric.path));
   }
   const bool larger = known.value_or(larger_in_goal.value_or(false));
-  return refold(machines, {std::move(metric), points, larger}, points);
+  return fold_other_values(machines, {std::move(metric), points, larger}, points);
 }
 
 const std::string& report_path(const Column& column) { return column.fold ? column.fold->points.name : column.name; }
@@ -197,7 +197,7 @@ RankedRows select_ranked(const Results& results, std::span<const Column* const> 
     std::erase_if(workloads, [&](const std::string& name) { return !left.contains(name); });
   } else {
     out.by_machine = true;
-    out.selected = machines.with_all_points(out.selected);
+    out.selected = machines.machines_with_all_points(out.selected);
   }
   for (const Column* column : columns) {
     if (column->fold || machines.is_axis(column->name)) continue;
@@ -209,7 +209,7 @@ RankedRows select_ranked(const Results& results, std::span<const Column* const> 
 
 RankedRows rows_to_rank(const Results& results, const Column& column, const std::vector<bool>& points) {
   if (!column.fold || !results.machines().is_set()) return {false, points};
-  return {true, results.machines().with_all_points(points)};
+  return {true, results.machines().machines_with_all_points(points)};
 }
 
 Column machine_status(const Results& results) {

@@ -27,7 +27,7 @@ struct MachineSet {
   /// Returns, in ascending order, the rows of all points of the machines to which the rows `of` belong.
   std::vector<std::size_t> points_of(const std::vector<std::size_t>& of) const;
   /// Returns a selection of machines by their first rows: those with `met` true for all their points.
-  std::vector<bool> with_all_points(const std::vector<bool>& met) const;
+  std::vector<bool> machines_with_all_points(const std::vector<bool>& met) const;
 };
 
 /// Groups the points of a sweep into machines. `values`: axis values, by axis, then by point.
@@ -43,10 +43,10 @@ struct Fold {
 /// Evaluates a metric over the workloads of each machine. Each point gets the value of its machine; none if a needed
 /// point has no value. `larger_in_goal`: whether the goal that contains the metric prefers larger values; `worst` needs
 /// it unless the metric has a known direction. Throws InputError for unknown workloads.
-Column fold_column(const MachineSet& machines, sweep::SetMetric metric, Column points,
-                   std::optional<bool> larger_in_goal);
+Column fold_column_over_workloads(const MachineSet& machines, sweep::SetMetric metric, Column points,
+                                  std::optional<bool> larger_in_goal);
 /// Evaluates the same function over workloads as `fold`, but on other values of the points.
-Column refold(const MachineSet& machines, const Fold& fold, Column points);
+Column fold_other_values(const MachineSet& machines, const Fold& fold, Column points);
 
 /// Returns the report path of a column's metric, without the function over workloads.
 const std::string& report_path(const Column& column);

@@ -205,7 +205,7 @@ Column Results::query_column(const std::string& name, const std::string& sql, st
 Column Results::column(std::string_view text, std::optional<bool> larger_in_goal) const {
   if (index_of(axes_, text) || text.find('(') == std::string_view::npos) return column_of_points(text);
   const sweep::SetMetric metric = sweep::parse_set_metric(text);
-  return fold_column(*machines_, metric, column_of_points(metric.path), larger_in_goal);
+  return fold_column_over_workloads(*machines_, metric, column_of_points(metric.path), larger_in_goal);
 }
 
 Column Results::column_of_points(std::string_view text) const {
@@ -287,7 +287,7 @@ Column with_means(const Results& results, Column figure) {
 Column column_of_means(const Results& results, const std::string& path, std::optional<bool> larger_in_goal) {
   Column figure = results.column(path, larger_in_goal);
   if (!figure.fold) return with_means(results, std::move(figure));
-  return refold(results.machines(), *figure.fold, with_means(results, figure.fold->points));
+  return fold_other_values(results.machines(), *figure.fold, with_means(results, figure.fold->points));
 }
 
 namespace {
@@ -551,7 +551,7 @@ Column add_intervals(const Results& results, Column column) {
   for (std::size_t row = 0; row < results.rows().size(); ++row) {
     if (results.rows()[row].is_done() && !is_absent(column.values[row])) done.push_back(row);
   }
-  const FigureNoise noise(results, column, done);
+  const MetricNoise noise(results, column, done);
   if (!noise.is_measured()) return column;
   const std::vector<std::string> means = shown_cells(noise.means(), done);
   for (std::size_t i = 0; i < done.size(); ++i) {

@@ -76,7 +76,7 @@ class Results {
   /// Reads a column. `text`: "n", "id", "status", "error", an axis, a path of report.json or an unambiguous end of one,
   /// or a function over workloads. Paths outside `totals` are read from the reports, which takes longer. A function
   /// over workloads, such as worst(fps), gives each point the value of its machine. Throws InputError with similar
-  /// names for other text. `larger_in_goal`: as in fold_column().
+  /// names for other text. `larger_in_goal`: as in fold_column_over_workloads().
   Column column(std::string_view text, std::optional<bool> larger_in_goal = {}) const;
   bool has_metric(std::string_view path) const;
   /// Returns the machines of the sweep. If the sweep lists no workloads, each point is a machine.

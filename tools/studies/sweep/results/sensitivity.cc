@@ -329,7 +329,7 @@ std::string tornado_tables(const Results& results, const std::vector<std::string
     if (!energy_metric(report_path(objective.column))) continue;
     const RankedRows ranked = rows_to_rank(results, objective.column, selected);
     const std::vector<std::size_t> rows = rows_with_numbers(objective.column, ranked, results);
-    const FigureNoise noise(results, objective.column, rows);
+    const MetricNoise noise(results, objective.column, rows);
     const BandedMetric priced = band.price_metric(results, noise.means(), objective.more_is_better, rows);
     out += "\n" + band.tornado_text(results, priced);
   }
@@ -354,7 +354,7 @@ Sensitivity find_sensitivity(const Results& results, const std::string& metric, 
   const Column column = results.column(metric);
   const RankedRows ranked = rows_to_rank(results, column, selected);
   const std::vector<std::size_t> rows = rows_with_numbers(column, ranked, results);
-  const FigureNoise noise(results, column, rows);
+  const MetricNoise noise(results, column, rows);
   std::vector<double> values, variances;
   for (const std::size_t row : rows) {
     values.push_back(magnitude_of(noise.means().values[row])->value);

@@ -91,21 +91,21 @@ struct MetricEstimate {
   double value = 0, error = 0, degrees = kEndlessDegrees;
 };
 
-MetricEstimate metric_estimate(const MeasuredFigure& seen) {
+MetricEstimate metric_estimate(const MeasuredMetric& seen) {
   const bool has_degrees = seen.draws && seen.draws->count > 1;
   return {seen.draws ? seen.draws->mean : seen.value, seen.standard_error(),
           has_degrees ? static_cast<double>(seen.draws->count) - 1 : kEndlessDegrees};
 }
 
 /// Returns a metric's value with the noise of the estimate. `is_measured`: by replicates, so that Student's t applies.
-MeasuredFigure figure_of_estimate(const MetricEstimate& estimate, bool is_measured) {
-  MeasuredFigure out;
+MeasuredMetric figure_of_estimate(const MetricEstimate& estimate, bool is_measured) {
+  MeasuredMetric out;
   out.value = estimate.value;
   if (is_measured) {
     const double count = std::floor(std::clamp(estimate.degrees, 1.0, kEndlessDegrees)) + 1;
     out.draws = Draws{static_cast<std::size_t>(count), estimate.value, estimate.error * std::sqrt(count)};
   } else if (estimate.value != 0) {
-    MeasuredFigure unit;
+    MeasuredMetric unit;
     unit.value = estimate.value;
     unit.assumed = 1;
     out.assumed = estimate.error / unit.standard_error();
@@ -139,14 +139,14 @@ std::optional<MetricEstimate> geomean_estimate(std::vector<MetricEstimate> estim
   return mean;
 }
 
-MetricEstimate worst_estimate(std::span<const MeasuredFigure> figures, bool larger_is_better) {
+MetricEstimate worst_estimate(std::span<const MeasuredMetric> figures, bool larger_is_better) {
   constexpr double kSeparated = 0.05;  // significance level of "this workload is better than the worst" (one-sided)
-  const auto value_of = [](const MeasuredFigure& seen) { return metric_estimate(seen).value; };
-  const MeasuredFigure& worst = larger_is_better ? *std::ranges::min_element(figures, {}, value_of)
+  const auto value_of = [](const MeasuredMetric& seen) { return metric_estimate(seen).value; };
+  const MeasuredMetric& worst = larger_is_better ? *std::ranges::min_element(figures, {}, value_of)
                                                  : *std::ranges::max_element(figures, {}, value_of);
   MetricEstimate out = metric_estimate(worst);
   double ties = 0;
-  for (const MeasuredFigure& seen : figures) {
+  for (const MeasuredMetric& seen : figures) {
     MeanDifference distance = difference_of(worst, seen);
     if (!larger_is_better) distance.value = -distance.value;
     if (&seen != &worst && distance.one_sided_p_value() <= kSeparated) continue;
@@ -249,22 +249,22 @@ std::optional<double> fold_workloads(SetMetric::Kind kind, std::span<const doubl
   return is_geomean ? std::exp(sum) : sum;
 }
 
-std::optional<MeasuredFigure> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
+std::optional<MeasuredMetric> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
                                                   bool larger_is_better) {
   if (metric.kind == SetMetric::Kind::kOn) {
     const auto found = std::ranges::find(values, metric.workload, &WorkloadValue::workload);
     return found == values.end() ? std::nullopt : found->seen;
   }
-  std::vector<MeasuredFigure> figures;
+  std::vector<MeasuredMetric> figures;
   for (const WorkloadValue& value : values) {
     if (!value.seen) return std::nullopt;
     figures.push_back(*value.seen);
   }
   if (figures.empty()) return std::nullopt;
   if (figures.size() == 1) return figures.front();
-  const bool is_measured = std::ranges::all_of(figures, [](const MeasuredFigure& f) { return f.draws.has_value(); });
+  const bool is_measured = std::ranges::all_of(figures, [](const MeasuredMetric& f) { return f.draws.has_value(); });
   std::vector<MetricEstimate> estimates;
-  for (const MeasuredFigure& figure : figures) estimates.push_back(metric_estimate(figure));
+  for (const MeasuredMetric& figure : figures) estimates.push_back(metric_estimate(figure));
   if (metric.kind == SetMetric::Kind::kMean) {
     return figure_of_estimate(weighted_sum(estimates, 1 / static_cast<double>(estimates.size())), is_measured);
   }

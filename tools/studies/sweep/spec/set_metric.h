@@ -52,7 +52,7 @@ bool is_larger_better_in(const SetMetric& metric, std::string_view path, bool la
 /// The value of a metric on one workload; nothing if the workload has no result.
 struct WorkloadValue {
   std::string workload;
-  std::optional<MeasuredFigure> seen;
+  std::optional<MeasuredMetric> seen;
 };
 
 /// Evaluates a metric over all workloads of a machine, with its noise. kEach is evaluated like kWorst. Returns nothing
@@ -61,7 +61,7 @@ struct WorkloadValue {
 ///    freedom.
 /// 2. Let k workloads be within noise of the worst one. The variance of `worst` is the largest of their variances times
 ///    1 + ln k, because the smallest of k equal values is low by chance.
-std::optional<MeasuredFigure> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
+std::optional<MeasuredMetric> evaluate_set_metric(const SetMetric& metric, std::span<const WorkloadValue> values,
                                                   bool larger_is_better);
 /// Evaluates a function over the values of all workloads, without noise; nothing if it has no value.
 std::optional<double> fold_workloads(SetMetric::Kind kind, std::span<const double> values, bool larger_is_better);

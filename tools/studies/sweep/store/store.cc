@@ -100,7 +100,7 @@ PointStatus Store::status_of(const std::string& id) const {
   return is_sound ? PointStatus::kDone : PointStatus::kDamaged;
 }
 
-std::optional<std::string> Store::read_sound(const std::string& id, const char* file) const {
+std::optional<std::string> Store::read_verified_file(const std::string& id, const char* file) const {
   return if_sound([&] { return read_file_of(folder_of(id), file, read_digests(folder_of(id), id)); });
 }
 

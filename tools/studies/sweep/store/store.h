@@ -50,9 +50,9 @@ class Store {
   PointStatus status_of(const std::string& id) const;
   bool is_done(const std::string& id) const { return status_of(id) == PointStatus::kDone; }
   /// Returns the bytes of a point's report.json; nothing if it is missing or does not match its digest.
-  std::optional<std::string> read_report(const std::string& id) const { return read_sound(id, "report.json"); }
+  std::optional<std::string> read_report(const std::string& id) const { return read_verified_file(id, "report.json"); }
   /// Returns the bytes of a slice's slice.json; nothing if it is missing or does not match its digest.
-  std::optional<std::string> read_slice(const std::string& id) const { return read_sound(id, kSliceFile); }
+  std::optional<std::string> read_slice(const std::string& id) const { return read_verified_file(id, kSliceFile); }
   std::optional<Failure> read_failure(const std::string& id) const;
 
   /// Locks a point before it is computed; returns nothing if another process holds the lock. Removes unfinished files
@@ -75,7 +75,7 @@ class Store {
 
  private:
   std::filesystem::path lock_file(const std::string& id) const { return root_ / "locks" / id; }
-  std::optional<std::string> read_sound(const std::string& id, const char* file) const;
+  std::optional<std::string> read_verified_file(const std::string& id, const char* file) const;
   void clean_up(const std::string& id) const;
 
   std::filesystem::path root_;

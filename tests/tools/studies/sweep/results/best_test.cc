@@ -127,7 +127,7 @@ TEST(Best, DrawsOfAFigurePerAreaSayThatTheAreaIsNominal) {
   sweep.add({{"cores", "1"}});
   sweep.finish(0, 1000);
   tools::results::Column figure{"totals.perf.frames_per_joule_per_mm2", {tools::results::Value(1.0)}};
-  const tools::results::FigureNoise noise(sweep.results(), figure, {});
+  const tools::results::MetricNoise noise(sweep.results(), figure, {});
   EXPECT_EQ(tools::results::energy_draws_note({&noise}), "area is nominal in all draws\n");
 }
 

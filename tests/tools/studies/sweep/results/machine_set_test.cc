@@ -207,11 +207,11 @@ TEST(Machines, HaveTheNoiseOfTheirPoints) {
   }
   const Results results = sweep.results();
   const std::vector<std::size_t> rows = {0, 1, 2};
-  const FigureNoise mean(results, results.column("mean(cycles)"), rows);
+  const MetricNoise mean(results, results.column("mean(cycles)"), rows);
   EXPECT_TRUE(mean.is_measured());
   EXPECT_NEAR(mean.error(0), std::hypot(4.0, 5.0) / 2, 1e-12);
   EXPECT_EQ(mean.replicate_count(0), 4U);
-  const FigureNoise worst(results, results.column("worst(cycles)"), rows);
+  const MetricNoise worst(results, results.column("worst(cycles)"), rows);
   EXPECT_NEAR(worst.error(0), 4, 1e-12) << "noise separates the workloads";
   EXPECT_NEAR(worst.error(1), 5 * std::sqrt(1 + std::log(2.0)), 1e-9) << "it does not";
   const std::string text = best_machine(sweep, {"worst(cycles)", false, {}});
