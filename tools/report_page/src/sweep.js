@@ -31,18 +31,20 @@ function addHeadlines(data, points, done, view) {
 
 function addVerdict(data, points, done, view) {
   const metric = data.metrics.find((m) => m.field === data.headlines[0]), row = metric && data.best[metric.field];
+  const found = metric && data.sensitivities.find((s) => s.metric === metric.field);
+  if (data.search?.sentence) {
+    const ties = row !== undefined && data.ties ? `Best: ${data.noun} ${points[row].n}${data.ties}.` : "";
+    view.verdict = { sentence: data.search.sentence, more: `${found ? `${decisionText(found, metric.name, data.noun)} ` : ""}${ties}`.trim(),
+      links: [{ words: "the answer", to: "answer" }, { words: `the ${data.noun}s`, to: "front" }] };
+    return;
+  }
   if (row === undefined) {
     view.verdict = { sentence: done.length > 0 && data.has_constraints ? `No ${data.noun} that has a result meets the constraints.` : `No ${data.noun} of this sweep has a result yet.`,
       more: "", links: [{ words: `the ${data.noun}s`, to: "front" }] };
     return;
   }
-  const best = points[row], value = best[metric.field], found = data.sensitivities.find((s) => s.metric === metric.field);
+  const best = points[row], value = best[metric.field];
   const axes = data.axes.map((a) => `${a.field} ${best[a.field]}`).join(", ");
-  if (data.search) {
-    view.verdict = { sentence: data.search.sentence, more: `${found ? `${decisionText(found, metric.name, data.noun)} ` : ""}${data.ties ? `Best: ${data.noun} ${best.n}${data.ties}.` : ""}`.trim(),
-      links: [{ words: "the answer", to: "answer" }, { words: `the ${data.noun}s`, to: "front" }] };
-    return;
-  }
   const amount = Math.abs(value) >= 1e4 ? short(value) : digits(value);
   const links = [{ words: "the front", to: "front" }, { words: "what each axis does", to: "sensitivity" }];
   view.verdict = { sentence: found ? decisionText(found, metric.name, data.noun) : `No axis changes ${metric.name}.`,
