@@ -14,11 +14,12 @@ inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
   return {.nodes = layout.nodes,
           .node_bytes = layout.node_bytes,
           .single_boxes = layout.single_boxes,
-          .instances = layout.instances};
+          .instances = layout.instances,
+          .instance_places = layout.instance_places};
 }
 
-/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads: first for the tile's
-/// rays, then for its kernels. A simulated machine reads the lines in another order.
+/// Calls node(ray, line), triangle(ray, line) or data(line) for every cache line that a tile reads: first for the
+/// tile's rays, then for its kernels. A simulated machine reads the lines in another order.
 template <class Node, class Triangle, class Data>
 void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                            Data&& data) {
@@ -27,7 +28,11 @@ void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& l
   for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
     for (const std::uint32_t* step = &work.walk[work.ray_begin[ray]];; ++step) {
       const traces::StepKind kind = traces::kind_of(*step);
-      if (kind == traces::StepKind::kVisit) {
+      if (traces::is_wide(*step)) {
+        const Addr begin = layout.node_at(traces::node_of(*step));
+        for (Addr line = line_of(begin); line < begin + layout.node_bytes; line += kLineBytes) node(ray, line);
+        ++step;  // skips the word of hits
+      } else if (kind == traces::StepKind::kVisit) {
         if (node_is_line) {
           node(ray, tree.line_of_node(traces::node_of(*step)));
           continue;
@@ -41,8 +46,8 @@ void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& l
         node(ray, tree.line_of_instance(traces::instance_index_of(*step)));
       } else if (kind == traces::StepKind::kLeaf) {
         const std::uint32_t first = traces::first_of(*step), count = traces::count_of(*step);
-        const Addr end = layout.triangle_at(first) + Addr{count} * layout.triangle_bytes;
-        for (Addr line = line_of(layout.triangle_at(first)); line < end; line += kLineBytes) triangle(line);
+        const Addr end = layout.triangle_at(first + count - 1) + layout.triangle_bytes;
+        for (Addr line = line_of(layout.triangle_at(first)); line < end; line += kLineBytes) triangle(ray, line);
         ++step;
       } else if (kind == traces::StepKind::kEnd) {
         break;

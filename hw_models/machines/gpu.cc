@@ -52,7 +52,8 @@ Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * 
 std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu::Workload& workload,
                                               std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
-  Addr next = workload.image.layout.frame_buffer;
+  Addr next =
+      round_up_to_lines(workload.image.layout.frame_buffer + parent_table_bytes(workload.image, config.tni.trv.stack));
   for (std::size_t region = 0; region < kRegions; ++region) {
     areas[region] = next;
     next = round_up_to_lines(next + workload.needs.region_bytes[region]);
@@ -93,7 +94,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   TileDispatcher::Links links;
   links.observer = workload.observer;
   for (std::uint32_t c = 0; c < config.cores; ++c) {
-    const Core& core = declare_core(c);
+    const Core& core = declare_core(c, tree_kind(workload.image));
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
@@ -108,13 +109,13 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   memory_.build_banks_and_channels();
 }
 
-Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
+Gpu::Core& Gpu::declare_core(std::uint32_t core_number, const TreeKind& tree) {
   const sim::UnitId srp =
       machine_.unit({unit_name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
                      config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
   const auto known = sim::Lookahead::kByOwner;  // run_limits() computes the arrival times of their messages
-  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_);
+  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_, tree);
   memory_.declare_ports();
   return cores_.emplace_back(
       Core{srp, std::move(tni), machine_.link<TileJob>(in_flight, 1, dispatcher_id_, srp, known),
@@ -258,8 +259,8 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
       [&](std::uint32_t ray, Addr line) {
         if (!trvs[ray % trvs.size()]->warm_line(line)) second_level(line);
       },
-      [&](Addr line) {
-        if (!c.tni.ist().warm_line(line)) second_level(line);
+      [&](std::uint32_t ray, Addr line) {
+        if (!c.tni.ist_of(ray % trvs.size()).warm_line(line)) second_level(line);
       },
       [&](Addr line) {
         if (!c.srp->warm_line(line)) second_level(line);
@@ -271,7 +272,7 @@ CacheContents Gpu::cache_contents() const {
   CacheContents contents;
   for (const Core& core : cores_) {
     for (const Trv* trv : core.tni.trvs()) contents.first_level.push_back(trv->l1_tags());
-    contents.first_level.push_back(core.tni.ist().l1_tags());
+    for (const Ist* ist : core.tni.ists()) contents.first_level.push_back(ist->l1_tags());
     contents.first_level.push_back(core.srp->cache_tags());
     if (core.raster != nullptr) contents.first_level.push_back(core.raster->l1_tags());
   }
@@ -284,7 +285,7 @@ void Gpu::set_cache_contents(const CacheContents& contents) {
   auto next = contents.first_level.begin();
   for (const Core& core : cores_) {
     for (Trv* trv : core.tni.trvs()) trv->set_l1_tags(*next++);
-    core.tni.ist().set_l1_tags(*next++);
+    for (Ist* ist : core.tni.ists()) ist->set_l1_tags(*next++);
     core.srp->set_cache_tags(*next++);
     if (core.raster != nullptr) core.raster->set_l1_tags(*next++);
   }

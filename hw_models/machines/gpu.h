@@ -142,7 +142,7 @@ class Gpu {
     MemoryPort memory;
   };
 
-  Core& declare_core(std::uint32_t core_number);
+  Core& declare_core(std::uint32_t core_number, const TreeKind& tree);
   Interface link_interface(const Core& core, sim::UnitId memory_interface);
   RasterWires link_rasteriser(const Core& core, std::uint32_t core_number);
   void build_core(std::uint32_t core_number, const Workload& workload);

@@ -86,7 +86,7 @@ void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std
   Core& core = cores_.emplace_back(Core{CoreRays(rays, kind, tracer_, c, config_.cores, finished)});
   const sim::UnitId source = machine_.unit({unit_name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
-  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);
+  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_, tree_kind(image));
   const std::vector<MemoryPort> ports = memory_.add_cache_clients(c, tni.memory_clients());
   core.source = &build_source_and_tni(machine_, config_.direct_interface, source, core.rays, tni,
                                       scene_in_memory(image, parents), ports);

@@ -21,6 +21,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       reorders_(mode.handling == MissHandling::kReorder && !mode.ideal_l1),
       known_after_{0, config.l1.hit_cycles + config.distance_stage, config.l1.hit_cycles + config.barycentric_stage,
                    config.l1.hit_cycles + config.latency},
+      has_records_(!triangles.places.empty()),
       leaves_out_(std::move(links.leaves_out)),
       leaves_in_(std::move(links.leaves_in)),
       memory_out_(links.memory_out),
@@ -50,9 +51,9 @@ inline bool Ist::take_leaf(sim::Time now) {
   free_ &= ~slot_bit(index);
   occupied_ |= slot_bit(index);
   waiting_[kToFetch] |= slot_bit(index);
-  slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
+  slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, 0, 0};
   fetch_.set_slot_tile(index, slots_[index].job.tile);
-  fetch_.prefetch_tags_on_host(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
+  fetch_.prefetch_tags_on_host(line_of(triangles_.record_of(slots_[index].job.first)));
   stats_.leaves_in += 1;
   return true;
 }
@@ -64,7 +65,7 @@ inline std::uint64_t Ist::issuable_slot_mask() const {
 
 inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
   if (!last_line) {
-    slot.second_line = true;
+    slot.lines += 1;
     waiting_[kToFetch] |= slot_bit(index);
     return;
   }
@@ -74,7 +75,7 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
   stats_.hits += phase == ExitPhase::kHit;
   slot.known_at = std::max(slot.known_at, cycle + known_after_[static_cast<std::size_t>(phase)]);
   slot.tested += 1;
-  slot.second_line = false;
+  slot.lines = 0;
   if (slot.tested < slot.job.count) {
     waiting_[kToFetch] |= slot_bit(index);
   } else {
@@ -83,13 +84,14 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
 }
 
 [[gnu::always_inline]] inline Ist::CycleReason Ist::issue_test(std::uint64_t ready_slots, std::uint64_t cycle) {
+  if (has_records_) return issue_record_test(ready_slots, cycle);
   const std::uint32_t index = round_robin(ready_slots, turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   // Branch-free, because it is unpredictable whether the triangle's first or second line is read.
-  const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
+  const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.lines});
   FetchStage::Wait wait = FetchStage::Wait::kNothing;
   if (reorders_ && fetch_.try_first_probe_hit(slot_bit(index), line)) {
     waiting_[kToFetch] &= ~slot_bit(index);
@@ -100,6 +102,38 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
     complete_fetch(slot, index, line == last_line, cycle);
     return CycleReason::kTesting;
   }
+  return handle_miss(wait, index, cycle);
+}
+
+Ist::CycleReason Ist::issue_record_test(std::uint64_t ready_slots, std::uint64_t cycle) {
+  if (cycle < decoder_free_at_ && !ideal_) return CycleReason::kTesting;
+  const std::uint32_t index = round_robin(ready_slots, turn_);
+  turn_ = (index + 1) % 64;
+  Slot& slot = slots_[index];
+  const std::uint32_t triangle = slot.job.first + slot.tested;
+  const Addr begin = triangles_.record_of(triangle), last_line = line_of(begin + triangles_.bytes - 1);
+  if (slot.tested > 0 && begin == triangles_.record_of(triangle - 1)) {
+    waiting_[kToFetch] &= ~slot_bit(index);
+    stats_.shared_tests += 1;
+    complete_fetch(slot, index, true, cycle);
+  } else {
+    const Addr line = line_of(begin) + slot.lines * kLineBytes;
+    if (reorders_ && fetch_.try_first_probe_hit(slot_bit(index), line)) {
+      waiting_[kToFetch] &= ~slot_bit(index);
+    } else if (const FetchStage::Wait wait = fetch_.read_line(index, line, cycle); wait != FetchStage::Wait::kNothing) {
+      return handle_miss(wait, index, cycle);
+    }
+    complete_fetch(slot, index, line == last_line, cycle);
+    if (line != last_line) return CycleReason::kTesting;
+  }
+  if (triangles_.decoded) {
+    stats_.decoded += 1;
+    decoder_free_at_ = cycle + config_.decode_interval;
+  }
+  return CycleReason::kTesting;
+}
+
+Ist::CycleReason Ist::handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
   if (fetch_.is_bypassing()) {
     stats_.bypass_passes += 1;
     pipe_.schedule_completion(kToFetch, index, cycle, config_.l1.hit_cycles + config_.latency);

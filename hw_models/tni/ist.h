@@ -17,7 +17,7 @@
 
 namespace hw {
 
-/// The intersection unit (IST) of a T&I unit tests the triangles of leaves, one triangle line per cycle.
+/// The intersection unit (IST) of a T&I unit tests the triangles of leaves and reads one line per cycle.
 ///
 ///   leaves of all TRVs --> [input buffer] --> triangle fetch (L1) --> distance | edges | hit --> answers
 ///
@@ -26,6 +26,8 @@ namespace hw {
 /// 2. A triangle that straddles two lines takes two L1 accesses.
 /// 3. The tests of a leaf's triangles are pipelined. The answer is sent when all results are known.
 /// 4. Leaves are served round robin by slot.
+/// 5. The triangles of a record of several, a pair or a block, are tested one per cycle after its last line. A triangle
+/// decoded from a block takes `decode_interval` cycles, in which no other test and no read begins.
 ///
 /// Not modelled: tests that end early because of a hit in another triangle of the leaf.
 class Ist {
@@ -44,7 +46,8 @@ class Ist {
   };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kStarved, sim::idle_reason("starved", "no leaf inside")},
-      {CycleReason::kTesting, sim::working_reason("testing", "a triangle test began")},
+      {CycleReason::kTesting,
+       sim::working_reason("testing", "a triangle test began, or a leaf waited for the decoder of blocks")},
       {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "leaves wait for triangle lines")},
       {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "leaves wait for a free MSHR")},
       {CycleReason::kPipe, sim::working_reason("pipe", "leaves are all inside the pipeline")},
@@ -56,11 +59,14 @@ class Ist {
   struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;
     std::uint64_t tests = 0, edge_tests = 0, hits = 0, bypass_passes = 0;
+    std::uint64_t shared_tests = 0, decoded = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.leaves_in), "leaves accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.leaves_out), "leaves answered", "tni.hit_route");
       counter(NAMED(s.tests), "triangles tested (distance phase)", "tni.tri_phase1");
-      counter(NAMED(s.edge_tests), "of these, tests that reached the barycentric phase", "tni.tri_phase2");
+      counter(NAMED(s.shared_tests), "of these, tests whose record had been read for the triangle before");
+      counter(NAMED(s.decoded), "of the tests, those of triangles decoded from a block", "tni.block_decode");
+      counter(NAMED(s.edge_tests), "of the tests, those that reached the barycentric phase", "tni.tri_phase2");
       counter(NAMED(s.hits), "of these, tests that reached the hit phase", "tni.tri_phase3");
       FetchStats::describe(s, counter);
       counter(NAMED(s.bypass_passes), "passes of a leaf that missed through the pipe, without work",
@@ -101,7 +107,7 @@ class Ist {
     LeafJob job;
     std::uint32_t trv = 0;
     std::uint32_t tested = 0;    ///< triangles of the leaf that have been fetched completely
-    bool second_line = false;    ///< the first line of a triangle that straddles two has been read
+    std::uint32_t lines = 0;     ///< lines read of the next triangle's record
     std::uint64_t known_at = 0;  ///< cycle in which the results of all tests issued so far are known
   };
 
@@ -112,6 +118,10 @@ class Ist {
   std::uint64_t issuable_slot_mask() const;
   CycleReason issue_tests(std::uint64_t cycle);
   CycleReason issue_test(std::uint64_t ready_slots, std::uint64_t cycle);
+  /// Does what issue_test() does, if records are not in the order of their numbers. A record may have several
+  /// triangles.
+  CycleReason issue_record_test(std::uint64_t ready_slots, std::uint64_t cycle);
+  CycleReason handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   void complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
   bool send_answer(sim::Time now);
   CycleReason wait_reason() const;
@@ -124,7 +134,9 @@ class Ist {
   const bool reorders_;  ///< miss handling is `reorder` and the L1 is not ideal
   /// Cycles from the fetch of a triangle to the result of its test, by the phase (1 to 3) with which the test ends.
   const std::array<std::uint32_t, 4> known_after_;
-  sim::Time line_at_ = sim::kNever;  ///< time at which the next line from memory arrives
+  const bool has_records_;             ///< records of triangles are not in the order of their numbers
+  std::uint64_t decoder_free_at_ = 0;  ///< cycle in which the decoder of blocks is free
+  sim::Time line_at_ = sim::kNever;    ///< time at which the next line from memory arrives
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
   sim::Link<MemRequest>& memory_out_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "sim/unit_report.h"
+#include "traces/accel/node_format.h"
 
 namespace hw {
 
@@ -16,10 +18,45 @@ enum class StackScheme : std::uint8_t {
   kFull,          ///< a stack of unlimited depth
   kRestartLink,   ///< short stack: an overflow drops the oldest entry but keeps a link to its node, at which traversal
                   ///< restarts when the stack is empty (US patent 9,275,494)
-  kRestartTrail,  ///< short stack or none: one bit per BVH level marks finished near children; when the stack is empty,
-                  ///< traversal restarts at the root and follows the bits (US patents 9,495,792 and 9,390,545)
+  kRestartTrail,  ///< short stack or none: for each BVH level, a trail stores how many hit children are finished; when
+                  ///< the stack is empty, traversal restarts at the root and follows the trail (US patents 9,495,792
+                  ///< and 9,390,545; Vaidyanathan et al. 2019 for wide trees)
+  kParent,        ///< short stack or none: when the stack is empty, the ray climbs by parent links, tests each parent
+                  ///< again and continues at its next hit child
 };
-constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
+constexpr std::array<std::string_view, 4> names_of(StackScheme) {
+  return {"full", "restart_link", "restart_trail", "parent"};
+}
+
+/// What one stack entry of a wide visit stores.
+enum class StackPush : std::uint8_t {
+  kChild,  ///< one hit child; a child that begins beyond the hit is dropped when popped
+  kNode,   ///< all hit children that remain of a node, in packed order and without distances; each pop takes the next
+           ///< child, which is visited even if it begins beyond the hit
+};
+constexpr std::array<std::string_view, 2> names_of(StackPush) { return {"child", "node"}; }
+
+/// Whether box testers without a child are clocked during a visit.
+enum class IdleTesters : std::uint8_t { kGated, kClocked };
+constexpr std::array<std::string_view, 2> names_of(IdleTesters) { return {"gated", "clocked"}; }
+
+/// Properties of the trees for which a T&I unit is built, as far as they determine its logic.
+struct TreeKind {
+  bool wide = false;
+  traces::NodeFormat format = traces::NodeFormat::kFp32;
+  std::uint32_t slots = 2;  ///< most children of a node, empty slots included
+  traces::ChildOrder order = traces::ChildOrder::kSort;
+  traces::LeafFormat leaf = traces::LeafFormat::kTriangles;
+
+  bool is_decoded() const { return wide && traces::is_quantised(format); }
+  /// Returns the number of comparisons that order `children` entry distances.
+  std::uint32_t comparisons(std::uint32_t children) const {
+    // Smallest known sorting networks (Knuth, The Art of Computer Programming, volume 3), by number of inputs.
+    constexpr std::array<std::uint32_t, 9> kSort{0, 0, 1, 3, 5, 9, 12, 16, 19};
+    if (!wide || children < 2 || order == traces::ChildOrder::kOctant) return 0;
+    return order == traces::ChildOrder::kSort ? kSort[children] : children - 1;
+  }
+};
 
 /// Prefetching policy of a traversal unit.
 enum class Prefetch : std::uint8_t {
@@ -69,11 +106,15 @@ inline constexpr std::uint32_t kLongestPipe = 63;
 struct TrvConfig {
   std::uint32_t rays = 32;
   std::uint32_t box_testers = 2;
+  IdleTesters idle_testers = IdleTesters::kGated;
   std::uint32_t box_latency = 12;
+  std::uint32_t decode_latency = 2;
+  std::uint32_t order_latency = 3;
   std::uint32_t leaf_latency = 4;
   std::uint32_t stack_latency = 2;
   std::uint32_t transform_latency = 12;
   StackScheme stack = StackScheme::kRestartLink;
+  StackPush stack_push = StackPush::kChild;
   std::uint32_t stack_entries = 8;
   std::uint32_t stack_entry_bytes = 8;
   std::uint32_t ray_bytes = 96;
@@ -83,11 +124,19 @@ struct TrvConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.rays), "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
-    field(NAMED(c.box_testers), "testers",
-          "2: a visit tests both child boxes at once, parallel to stack and leaf pipes; 1: one box per pass, one pipe "
-          "for all work",
-          sim::between(1, 2), Affects::kWalk);
+    field(
+        NAMED(c.box_testers), "testers",
+        "boxes tested per cycle: a visit of n children takes ceil(n / box_testers) cycles of the box pipe, parallel to "
+        "stack and leaf pipes; 1: one box per pass, one pipe for all work",
+        sim::between(1, traces::kMaxWidth), Affects::kWalk);
+    field(NAMED(c.idle_testers), "", "whether box testers without a child are clocked during a visit", sim::any(),
+          Affects::kTiming);
     field(NAMED(c.box_latency), "cycles", "pipeline depth of a box test", sim::between(1, 40), Affects::kTiming);
+    field(NAMED(c.decode_latency), "cycles", "additional latency of a visit to a node with quantised boxes",
+          sim::between(0, 8), Affects::kTiming);
+    field(NAMED(c.order_latency), "cycles",
+          "additional latency of a visit to a wide node, whose hit children are ordered by distance",
+          sim::between(0, 8), Affects::kTiming);
     field(NAMED(c.leaf_latency), "cycles", "latency of the leaf sub-pipe, to the intersection unit's buffer",
           sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.stack_latency), "cycles", "latency of a stack pop", sim::between(1, 16), Affects::kTiming);
@@ -95,9 +144,12 @@ struct TrvConfig {
           "latency of transforming a ray into an instance's space in the box pipe (bvh.instances: two_level)",
           sim::between(1, 40), Affects::kTiming);
     field(NAMED(c.stack), "", "stack scheme: where far children are kept", sim::any(), Affects::kWalk);
+    field(NAMED(c.stack_push), "",
+          "stack entries of wide nodes: one for each hit child, or one for all hit children of a node, without culls",
+          sim::any(), Affects::kWalk);
     field(NAMED(c.stack_entries), "entries",
-          "entries of each ray's short stack; with stack: full, entries that take area and leak; 0: restart_trail "
-          "without a stack",
+          "entries of each ray's short stack; with stack: full, entries that take area and leak; 0: restart_trail or "
+          "parent without a stack",
           sim::between(0, 64), Affects::kWalk);
     field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry, for leakage and area", sim::between(1, 64),
           Affects::kEnergy);
@@ -107,14 +159,31 @@ struct TrvConfig {
     field.group(NAMED(c.l1), "private node cache");
   }
   void check(auto&& complain) const {
-    if (stack_entries == 0 && stack != StackScheme::kRestartTrail)
-      complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only");
+    if (stack_entries == 0 && stack != StackScheme::kRestartTrail && stack != StackScheme::kParent)
+      complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail or parent only");
     if (l1.hit_cycles + box_latency > kLongestPipe)
       complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
     if (l1.hit_cycles + transform_latency > kLongestPipe)
       complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
-  std::vector<sim::UnitPart> parts() const { return {{"box_tester", box_testers}}; }
+  /// Returns the bytes by which a ray's restart trail is larger in wide trees. A level of a tree of up to w children
+  /// takes the bits of w + 1 values (Vaidyanathan et al. 2019); one bit per level is in ray_bytes.
+  std::uint32_t trail_bytes(const TreeKind& tree) const {
+    constexpr std::uint32_t kLevels = 32;  // wide trees of a million triangles have up to about twenty levels
+    if (!tree.wide || stack != StackScheme::kRestartTrail) return 0;
+    return (static_cast<std::uint32_t>(std::bit_width(tree.slots)) - 1) * kLevels / 8;
+  }
+  /// Returns the most cycles of the box pipe that a visit takes.
+  std::uint32_t most_passes(const TreeKind& tree) const {
+    return tree.wide ? (tree.slots + box_testers - 1) / box_testers : 1;
+  }
+  /// Returns the latency of a visit after its last line, if the visit takes one cycle of the box pipe.
+  std::uint32_t visit_latency(const TreeKind& tree) const {
+    const bool ordered = tree.wide && tree.order != traces::ChildOrder::kOctant;
+    return box_latency + (tree.is_decoded() ? decode_latency : 0) + (ordered ? order_latency : 0);
+  }
+  /// Returns the parts of a traversal unit that is built for trees of one kind.
+  std::vector<sim::UnitPart> parts(const TreeKind& tree) const;
   /// Returns the size in bytes of a traversal unit's cache, input buffer and stacks.
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
@@ -128,6 +197,7 @@ struct IstConfig {
   std::uint32_t distance_stage = 8;
   std::uint32_t barycentric_stage = 16;
   std::uint32_t latency = 22;
+  std::uint32_t decode_interval = 1;
   CacheConfig l1{.size = {32 * 1024}};
 
   static void describe(auto& c, auto&& field) {
@@ -141,6 +211,9 @@ struct IstConfig {
           Affects::kTiming);
     field(NAMED(c.latency), "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
           Affects::kTiming);
+    field(NAMED(c.decode_interval), "cycles",
+          "cycles from one triangle that is decoded from a block to the next (bvh.leaf: block128)", sim::between(1, 16),
+          Affects::kTiming);
     field.group(NAMED(c.l1), "triangle cache");
   }
   void check(auto&& complain) const {
@@ -149,6 +222,8 @@ struct IstConfig {
     if (distance_stage > barycentric_stage || barycentric_stage > latency)
       complain("latency", "the stages must rise: distance_stage <= barycentric_stage <= latency");
   }
+  /// Returns the parts of an intersection unit that is built for trees of one kind.
+  std::vector<sim::UnitPart> parts(const TreeKind& tree) const;
   std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * leaf_bytes; }
 };
 
@@ -160,9 +235,10 @@ struct TniMode {
   bool ideal_l1 = false;  ///< every probe of an L1 hits (ideal.l1)
 };
 
-/// Configuration of a T&I (traversal and intersection) unit: a ray dispatcher, traversal units, an intersection unit.
+/// Configuration of a T&I (traversal and intersection) unit: a ray dispatcher, traversal units, intersection units.
 struct TniConfig {
   std::uint32_t trvs = 4;
+  std::uint32_t ists = 1;
   std::uint32_t link_depth = 2;
   Dispatch dispatch = Dispatch::kEmptiest;
   MissHandling miss_handling = MissHandling::kReorder;
@@ -173,6 +249,8 @@ struct TniConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.trvs), "units", "traversal units", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.ists), "units", "intersection units; the traversal units share them evenly", sim::between(1, 4),
+          Affects::kTiming);
     field(NAMED(c.link_depth), "entries", "slots of each link inside the unit", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
     field.not_modelled("sort", "rays keep the order of the shader core");
@@ -183,8 +261,17 @@ struct TniConfig {
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
   }
-  /// Returns the SRAM bytes of one traversal unit, or of the intersection unit, with its RAU table if it has one.
-  std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }
+  void check(auto&& complain) const {
+    if (ists > trvs) {
+      complain("ists", "is " + std::to_string(ists) + "; allowed: 1 to tni.trvs, which is " + std::to_string(trvs));
+    }
+  }
+  /// Returns the SRAM bytes of one traversal unit, or of one intersection unit, with its RAU table if it has one.
+  /// `tree`: kind of the trees for which the unit is built.
+  std::uint64_t trv_sram_bytes(const TreeKind& tree = {}) const {
+    return trv.sram_bytes() + std::uint64_t{trv.rays} * trv.trail_bytes(tree) +
+           rau_bytes(trv.ray_bytes, trv.l1.line.bytes);
+  }
   std::uint64_t ist_sram_bytes() const { return ist.sram_bytes() + rau_bytes(ist.leaf_bytes, ist.l1.line.bytes); }
 
  private:

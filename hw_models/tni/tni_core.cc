@@ -1,5 +1,10 @@
 #include "hw_models/tni/tni_core.h"
 
+#include <string>
+#include <utility>
+
+#include "sim/error.h"
+
 namespace hw {
 namespace {
 
@@ -11,48 +16,68 @@ TniConfig with_ideal_pipes(TniConfig config) {
   config.trv.rays = config.ist.leaves = kMost;
   config.trv.box_latency = config.trv.leaf_latency = config.trv.stack_latency = 1;
   config.trv.transform_latency = 1;
+  config.trv.decode_latency = config.trv.order_latency = 0;
+  config.ist.decode_interval = 1;
   config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
   config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
   return config;
 }
 
+/// The links between a traversal unit and its intersection unit.
+struct LeafLinks {
+  sim::Link<LeafJob>* jobs;
+  sim::Link<LeafDone>* answers;
+};
+
 }  // namespace
 
-sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock) {
-  return machine.unit(
-      {unit_name_in_core(Ist::kName, core), clock, core + 1, config.ist_sram_bytes(), config.ist.l1.size.bytes});
+sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock,
+                        const TreeKind& tree, std::uint32_t number) {
+  const std::string suffix = config.ists == 1 ? "" : std::to_string(number);
+  return machine.unit({unit_name_in_core(Ist::kName, core) + suffix, clock, core + 1, config.ist_sram_bytes(),
+                       config.ist.l1.size.bytes, config.ist.parts(tree)});
 }
 
 TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core,
-                 sim::Clock clock)
+                 sim::Clock clock, const TreeKind& tree)
     : config_(ideal.tni ? with_ideal_pipes(config) : config),
       ideal_(ideal),
-      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1})),
-      ist_id_(declare_ist(machine, config, core, clock)) {
+      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1})) {
+  for (std::uint32_t i = 0; i < config.ists; ++i) {
+    ist_ids_.push_back(declare_ist(machine, config, core, clock, tree, i));
+  }
   for (std::uint32_t t = 0; t < config.trvs; ++t) {
     trv_ids_.push_back(machine.unit({unit_name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
-                                     config.trv_sram_bytes(), config.trv.l1.size.bytes, config.trv.parts()}));
+                                     config.trv_sram_bytes(tree), config.trv.l1.size.bytes, config.trv.parts(tree)}));
   }
 }
 
 std::vector<MemoryClient> TniCore::memory_clients() const {
   std::vector<MemoryClient> all;
   for (const sim::UnitId trv : trv_ids_) all.push_back({trv, config_.trv.l1.mshrs, RequesterKind::kNodes});
-  all.push_back({ist_id_, config_.ist.l1.mshrs, RequesterKind::kTriangles});
+  for (const sim::UnitId ist : ist_ids_) all.push_back({ist, config_.ist.l1.mshrs, RequesterKind::kTriangles});
   return all;
 }
 
 void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links) {
+  const TrvConfig& trv_config = config_.trv;
+  const std::uint32_t pipe = trv_config.l1.hit_cycles + trv_config.visit_latency(scene.tree.kind) +
+                             trv_config.most_passes(scene.tree.kind) - 1;
+  if (pipe > kLongestPipe) {
+    throw sim::InputError("tni.trv.box_latency: node fetch, decoding, box tests and ordering of a node take " +
+                          std::to_string(pipe) + " cycles; allowed: 1 to " + std::to_string(kLongestPipe));
+  }
   const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
   const sim::Clock clock = dispatcher_id_.clock;
   const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
   RayDispatcher::Links dispatcher{links.rays_in, links.hits_out, {}, {}};
-  Ist::Links ist{{}, {}, links.memory.back().requests, links.memory.back().responses};
-  for (const sim::UnitId trv : trv_ids_) {
+  std::vector<LeafLinks> leaves;
+  for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
+    const sim::UnitId trv = trv_ids_[t], ist = ist_ids_[t % ist_ids_.size()];
     dispatcher.to_trv.push_back(&machine.link<RayJob>(depth, 1, dispatcher_id_, trv));
     dispatcher.from_trv.push_back(&machine.link<RayDone>(depth, 1, trv, dispatcher_id_));
-    ist.leaves_in.push_back(&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist_id_));
-    ist.leaves_out.push_back(&machine.link<LeafDone>(config_.trv.rays, 1, ist_id_, trv));
+    leaves.push_back({&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist),
+                      &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv)});
   }
   dispatcher_ = &machine.build<RayDispatcher>(
       dispatcher_id_, RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni}, dispatcher,
@@ -60,21 +85,39 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const MemoryPort& memory = links.memory[t];
     trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree,
-                                        Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *ist.leaves_in[t],
-                                                   *ist.leaves_out[t], memory.requests, memory.responses},
+                                        Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *leaves[t].jobs,
+                                                   *leaves[t].answers, memory.requests, memory.responses},
                                         memory.client, clock));
   }
-  ist_ = &machine.build<Ist>(ist_id_, config_.ist, mode, scene.triangles, ist, links.memory.back().client, clock);
+  for (std::size_t i = 0; i < ist_ids_.size(); ++i) {
+    const MemoryPort& memory = links.memory[trv_ids_.size() + i];
+    Ist::Links ist{{}, {}, memory.requests, memory.responses};
+    for (std::size_t t = i; t < leaves.size(); t += ist_ids_.size()) {
+      ist.leaves_in.push_back(leaves[t].jobs);
+      ist.leaves_out.push_back(leaves[t].answers);
+    }
+    ists_.push_back(
+        &machine.build<Ist>(ist_ids_[i], config_.ist, mode, scene.triangles, std::move(ist), memory.client, clock));
+  }
 }
 
 void TniCore::make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port) {
-  std::vector<sim::UnitId> units{dispatcher_id_, ist_id_};
+  std::vector<sim::UnitId> units{dispatcher_id_, ist_ids_.front()};
   units.insert(units.end(), trv_ids_.begin(), trv_ids_.end());
+  units.insert(units.end(), ist_ids_.begin() + 1, ist_ids_.end());
   if (port_id.clock == dispatcher_id_.clock) {
     port_ = &port;
     units.push_back(port_id);
   }
   machine.set_cluster(units, *this);
+}
+
+void TniCore::tick_more_ists_and_port(std::uint64_t due, sim::Time* wakes, const Cycle& cycle) {
+  const std::size_t more = ists_.size() - 1;
+  for (std::size_t i = 0; i < more; ++i) {
+    if ((due >> i & 1U) != 0) wakes[i] = ists_[1 + i]->tick(cycle);
+  }
+  if (due >> more != 0) wakes[more] = port_->tick(cycle.now);
 }
 
 void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
@@ -86,9 +129,15 @@ void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
     // No unit can wake another unit in the same cycle, so the due units are determined once.
     const std::uint64_t due = sim::WakeupTable::due_mask(wakes, turn.group_minima.size(), cycle.now);
     if ((due & 1U) != 0) wakes[0] = dispatcher_->tick(cycle.now);
-    if ((due & 2U) != 0) wakes[1] = ist_->tick(cycle);
+    if ((due & 2U) != 0) wakes[1] = ists_[0]->tick(cycle);
     Trv::tick_due(trvs_, due >> 2 & all_trvs, &wakes[2], cycle);
-    if ((due >> 2 & ~all_trvs) != 0) wakes[2 + trvs] = port_->tick(cycle.now);
+    if ((due >> 2 & ~all_trvs) != 0) {
+      if (ists_.size() == 1) {
+        wakes[2 + trvs] = port_->tick(cycle.now);
+      } else {
+        tick_more_ists_and_port(due >> (2 + trvs), &wakes[2 + trvs], cycle);
+      }
+    }
     const sim::Time soonest = sim::WakeupTable::refresh_group_minima(wakes, turn.group_minima);
     if (!turn.includes_time(soonest)) return;
     cycle.advance_to(soonest, dispatcher_id_.clock);

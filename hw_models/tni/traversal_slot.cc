@@ -1,28 +1,12 @@
 #include "hw_models/tni/traversal_slot.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 
 namespace hw {
 
 using traces::StepKind;
-
-void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root) {
-  const std::uint32_t from = from_root ? 0 : entries.front().node;
-  const std::uint32_t instance = entries.back().instance;
-  const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
-  // Follow parents from the youngest entry's node. The parent of an instance's root is in the tree over instances.
-  for (std::uint32_t node = entries.back().node;;) {
-    path_.push_back(node);
-    if (node == from) break;
-    if (node == root) {
-      path_.push_back(kEnter | instance);
-      node = tree.parents[tree.links.size() + instance];
-    } else {
-      node = tree.parents[node];
-    }
-  }
-}
 
 /// Returns the sub-pipe of the ray's next step in the rare cases that the table in next_pipe() does not cover.
 TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
@@ -36,10 +20,13 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
 }
 
 /// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to the next step. Rays
-/// do not store this list, because restarts are rare.
-void TraversalSlot::list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
+/// do not store this list, because restarts are rare. Returns the node whose child the ray has visited last, and the
+/// instance in which the ray is.
+StackEntryOrigin TraversalSlot::list_stack_entries(const std::uint32_t* walk,
+                                                   std::vector<StackEntryOrigin>& entries) const {
   entries.clear();
   std::uint32_t instance = traces::kNone;
+  std::uint32_t parent = 0;
   bool must_pop = false;
   for (const std::uint32_t* step = walk; step != next_word_; ++step) {
     const StepKind kind = traces::kind_of(*step);
@@ -50,6 +37,7 @@ void TraversalSlot::list_stack_entries(const std::uint32_t* walk, std::vector<St
     }
     if (must_pop) {
       instance = entries.back().instance;  // instance in which the ray continues
+      parent = entries.back().node;
       entries.pop_back();
     }
     if (traces::is_enter(*step)) {
@@ -57,37 +45,56 @@ void TraversalSlot::list_stack_entries(const std::uint32_t* walk, std::vector<St
       must_pop = false;
       continue;
     }
-    must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
     if (kind == StepKind::kLeaf) {
+      must_pop = true;
       ++step;  // skip the word with the exit phases
-    } else if (traces::hits_of(*step) == 3) {
-      entries.push_back({traces::node_of(*step), instance});
+      continue;
     }
+    const StackEntryOrigin here{traces::node_of(*step), instance};
+    const std::uint32_t hits = traces::is_wide(*step)
+                                   ? traces::hit_count_of(*++step)
+                                   : static_cast<std::uint32_t>(std::popcount(traces::hits_of(*step)));
+    must_pop = hits == 0;
+    if (hits == 0) continue;
+    parent = here.node;
+    entries.insert(entries.end(), hits - 1, here);
   }
+  // Culls that have been popped before the next step took their entries' nodes as the last parent.
+  if (entries.size() > stack_depth_) parent = entries[stack_depth_].node;
   entries.resize(stack_depth_);
+  return {parent, instance};
 }
 
-void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail,
-                                 std::uint32_t capacity, std::vector<StackEntryOrigin>& entries, RestartPath& path,
-                                 StackStats& stats) {
+void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, const StackRules& rules,
+                                 std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats) {
   assert(stack_depth_ > 0 && "a pop from an empty stack");
-  // Each visit on the path pushes its far child again, so the short stack then contains the youngest entries. With a
-  // restart trail, the last visit continues at its far child without a pop.
-  list_stack_entries(walk, entries);
-  path.plan_path(entries, tree, has_trail);
+  // Each visit on the path pushes its remaining children again, so the short stack then contains the youngest entries.
+  // The first of them is entered without a push if the last visit continues without a pop.
+  const StackEntryOrigin last = list_stack_entries(walk, entries);
+  const StackEntryOrigin youngest = entries.back();
+  std::uint32_t found = stack_depth_;
+  if (rules.scheme == StackScheme::kParent) {
+    path.plan_climb(last.node, last.instance, youngest.node, tree);
+    const auto others = std::find_if(entries.rbegin(), entries.rend(), [&](const StackEntryOrigin& entry) {
+      return entry.node != youngest.node || entry.instance != youngest.instance;
+    });
+    found = static_cast<std::uint32_t>(others - entries.rbegin());
+  } else {
+    path.plan_path(youngest, rules.scheme == StackScheme::kRestartTrail ? 0 : entries.front().node, tree);
+  }
   restarting_ = true;
   stats.restarts += 1;
-  const std::uint32_t found = stack_depth_ - (has_trail ? 1U : 0U);
-  short_stack_size_ = static_cast<std::uint16_t>(std::min(found, capacity));
-  if (capacity == 0) return;
+  if (rules.continues_without_pop()) found -= 1;
+  short_stack_size_ = static_cast<std::uint16_t>(std::min(found, rules.capacity));
+  if (rules.capacity == 0) return;
   stats.pushes += found;
   stats.dropped += found - short_stack_size_;
 }
 
-void TraversalSlot::complete_replayed_visit(RestartPath& path, bool has_trail) {
+bool TraversalSlot::complete_replayed_visit(RestartPath& path) {
   path.remove_next_step();
   restarting_ = !path.is_empty();
-  if (!restarting_ && has_trail) consume_entry();
+  return !restarting_;
 }
 
 }  // namespace hw

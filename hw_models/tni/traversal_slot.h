@@ -1,55 +1,15 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "hw_models/tni/ray_stack.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "sim/named.h"
 #include "traces/walk.h"
 
 namespace hw {
-
-/// Origin of an entry of a ray's stack: the node whose visit pushed the entry, and the instance to whose tree the node
-/// belongs. Instance kNone: the tree over instances.
-struct StackEntryOrigin {
-  std::uint32_t node = 0;
-  std::uint32_t instance = traces::kNone;
-};
-
-/// The nodes that a ray visits again after a restart, and the instance that the ray enters again. The next node is
-/// stored last.
-class RestartPath {
- public:
-  RestartPath() { path_.reserve(kUsualDepth); }
-
-  /// Computes the path down to the node that pushed the youngest stack entry. The path begins at the root if
-  /// `from_root`, otherwise at the node that pushed the oldest entry.
-  void plan_path(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root);
-  bool is_empty() const { return path_.empty(); }
-  bool enters_instance() const { return (path_.back() & kEnter) != 0; }
-  std::uint32_t next_instance() const { return path_.back() & ~kEnter; }
-  std::uint32_t next_node() const { return path_.back(); }
-  void remove_next_step() { path_.pop_back(); }
-
- private:
-  static constexpr std::size_t kUsualDepth = 128;    ///< path length for which memory is reserved
-  static constexpr std::uint32_t kEnter = 1U << 31;  ///< bit that marks an instance in the path
-
-  std::vector<std::uint32_t> path_;
-};
-
-/// Counters of the ray stacks of a traversal unit.
-struct StackStats {
-  std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0;
-  static void describe(auto& s, auto&& counter) {
-    counter(NAMED(s.pushes), "stack entries written", "tni.stack_push");
-    counter(NAMED(s.pops), "stack entries read", "tni.stack_pop");
-    counter(NAMED(s.dropped), "stack entries dropped because the short stack was full");
-    counter(NAMED(s.restarts), "restarts from the link or the root");
-  }
-};
 
 /// A ray in the input buffer of a traversal unit: the state machine that expands the ray's canonical walk through the
 /// BVH (traces/walk.h).
@@ -62,8 +22,10 @@ struct StackStats {
 /// 2. A visit that hits both children pushes the far child. If the short stack is full, its oldest entry is dropped.
 /// 3. A popped entry that is farther than the ray's hit is discarded. Each pop is an operation of the stack pipe.
 /// 4. A pop from an empty short stack restarts the traversal: the ray again visits the nodes down to the origin of the
-/// popped entry. It begins at the node of the oldest dropped entry or, with a restart trail, at the root. These visits
-/// refill the short stack.
+/// popped entry. It begins at the node of the oldest dropped entry or, with a restart trail, at the root. With parent
+/// links it climbs from the parent of the last child to that origin instead. These visits refill the short stack.
+/// 5. A visit of a wide node enters the first hit child and pushes the others, an entry each; a unit whose entries are
+/// nodes keeps them in a NodeStack.
 class TraversalSlot {
  public:
   /// The sub-pipe of a traversal unit that a ray's next step needs.
@@ -75,8 +37,12 @@ class TraversalSlot {
   std::uint32_t ray_id() const { return id_; }
   /// Returns the first word of the ray's next step in its recorded walk.
   std::uint32_t next_step() const { return next_step_; }
-  /// Returns the word of the recorded walk that encodes the ray's last completed visit.
+  /// Returns the last word of the recorded walk that encodes the ray's last completed visit.
   std::uint32_t last_visit() const { return next_word_[-1]; }
+  /// Returns the first of the two words that encode the ray's last completed visit of a wide node.
+  std::uint32_t last_wide_visit() const { return next_word_[-2]; }
+  /// Returns the word of hits of a wide visit, which must be the next step.
+  std::uint32_t wide_hits() const { return next_word_[1]; }
   /// Returns the phases with which the triangle tests of a leaf end. The next step must be a leaf.
   std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
@@ -114,6 +80,22 @@ class TraversalSlot {
     }
     return both != 0;
   }
+  /// Completes the ray's visit to a wide node. Returns whether the visit hit several children. The arguments are those
+  /// of advance_to_next_step().
+  [[gnu::always_inline]] bool advance_past_wide_visit(std::uint32_t capacity, bool keeps_entries, StackStats& stats) {
+    const std::uint32_t hits = traces::hit_count_of(next_word_[1]);
+    go_to_step(next_word_ + 2);
+    __builtin_prefetch(next_word_ + 8);  // prefetches later steps of the walk on the host
+    must_pop_ = hits == 0;
+    const std::uint32_t others = hits - (hits != 0);
+    stack_depth_ = static_cast<std::uint16_t>(stack_depth_ + others);
+    if (!keeps_entries) return others != 0;
+    const std::uint32_t size = short_stack_size_ + others, kept = std::min(size, capacity);
+    stats.pushes += others;
+    stats.dropped += size - kept;
+    short_stack_size_ = static_cast<std::uint16_t>(kept);
+    return others != 0;
+  }
   /// Completes the ray's transform into an instance's space. The ray continues in the instance's tree.
   void enter_instance() { go_to_step(next_word_ + 1); }
   /// Advances the ray to the step after a leaf that has been sent to the intersection unit.
@@ -130,11 +112,22 @@ class TraversalSlot {
   }
   /// Restarts the traversal of the ray, whose short stack is empty. `walk`: start of its walk. `entries`: scratch
   /// space.
-  void restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
+  void restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, const StackRules& rules,
                     std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
-  /// Completes a node visit that a restarted ray repeats. With a restart trail, the last repeated visit continues at
-  /// its far child without a pop.
-  void complete_replayed_visit(RestartPath& path, bool has_trail);
+  /// Makes the ray repeat the visits of a path, which a NodeStack has planned.
+  void begin_restart() { restarting_ = true; }
+  /// Completes a node visit that a restarted ray repeats. Returns whether it was the last one.
+  bool complete_replayed_visit(RestartPath& path);
+  /// Takes the stack's youngest entry. Returns false if it is farther than the ray's hit and therefore discarded.
+  bool consume_entry() {
+    stack_depth_ -= 1;
+    if (pending_culls_ > 0) {
+      pending_culls_ -= 1;
+      return false;
+    }
+    must_pop_ = false;
+    return true;
+  }
 
   // Progress of a node visit that reads several lines or takes several passes.
   std::uint32_t lines_read() const { return lines_read_; }
@@ -149,17 +142,8 @@ class TraversalSlot {
     next_word_ = step;
     next_step_ = *step;
   }
-  /// Discards a popped stack entry if it is farther than the ray's hit. Otherwise the ray continues at the entry.
-  void consume_entry() {
-    stack_depth_ -= 1;
-    if (pending_culls_ > 0) {
-      pending_culls_ -= 1;
-    } else {
-      must_pop_ = false;
-    }
-  }
   Pipe next_pipe_slow_path();
-  void list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
+  StackEntryOrigin list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
 
   const std::uint32_t* next_word_ = nullptr;
   std::uint32_t next_step_ = 0;

@@ -29,4 +29,61 @@ TreeInMemory::Line TreeInMemory::line_of_visit(std::uint32_t node, std::uint32_t
   return {lines[index], index + 1 == count};
 }
 
+namespace {
+
+/// Returns the records of all wide nodes. An empty result: the nodes are binary.
+std::shared_ptr<const std::vector<WideRecord>> wide_records(const traces::MemoryImage& image) {
+  auto records = std::make_shared<std::vector<WideRecord>>();
+  records->reserve(image.wide_nodes.size());
+  for (std::uint32_t node = 0; node < image.wide_nodes.size(); ++node) {
+    const Addr begin = image.layout.node_at(node) - image.layout.nodes;
+    const Addr first = begin / kLineBytes, last = (begin + image.layout.node_bytes - 1) / kLineBytes;
+    const auto& links = image.wide_nodes[node].child;
+    const auto children = std::ranges::count_if(links, [](std::uint32_t link) { return link != traces::kNoChild; });
+    records->push_back({static_cast<std::uint32_t>(first), static_cast<std::uint8_t>(last - first + 1),
+                        static_cast<std::uint8_t>(children)});
+  }
+  return records;
+}
+
+}  // namespace
+
+TreeKind tree_kind(const traces::MemoryImage& image) {
+  const bool wide = image.is_wide();
+  const traces::NodeFormat binary = image.grid ? traces::NodeFormat::kHybrid : traces::NodeFormat::kFp32;
+  return {.wide = wide,
+          .format = wide ? image.wide_format : binary,
+          .slots = wide ? image.wide_slots() : 2,
+          .order = image.child_order,
+          .leaf = image.leaf_format};
+}
+
+TreeInMemory tree_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
+  const traces::Layout& layout = image.layout;
+  TreeInMemory tree{.nodes = layout.nodes,
+                    .node_bytes = layout.node_bytes,
+                    .parents = parents,
+                    .single_boxes = layout.single_boxes,
+                    .hybrid = image.grid.has_value(),
+                    .links = image.nodes,
+                    .instances = layout.instances,
+                    .placed = image.instances,
+                    .instance_places = layout.instance_places,
+                    .kind = tree_kind(image),
+                    .wide_links = image.wide_nodes,
+                    .parent_links = layout.end,
+                    .parents_in_nodes = image.is_wide() && image.wide_format == traces::NodeFormat::kQ12};
+  if (image.is_wide()) {
+    tree.wide = wide_records(image);
+    tree.wide_nodes_have_lines =
+        std::ranges::any_of(*tree.wide, [](const WideRecord& record) { return record.lines > 1; });
+  }
+  return tree;
+}
+
+std::uint64_t parent_table_bytes(const traces::MemoryImage& image, StackScheme stack) {
+  if (stack != StackScheme::kParent || (image.is_wide() && image.wide_format == traces::NodeFormat::kQ12)) return 0;
+  return std::uint64_t{image.node_count()} * TreeInMemory::kParentBytes;
+}
+
 }  // namespace hw

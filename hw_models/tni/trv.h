@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/node_stack.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/traversal_slot.h"
@@ -27,18 +29,22 @@ struct TrvFeatures {
   bool prefetches = false;  ///< nodes of far children are prefetched
   bool reorders = true;     ///< miss handling is `reorder` and the L1 is not ideal
   bool stack = true;        ///< a ray's stack has a capacity of at least one entry
+  bool wide = false;        ///< the tree has wide nodes
+  bool node_stack = false;  ///< a stack entry of wide nodes is a node (stack_push: node)
 
   friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
 };
 
-/// Features of a traversal unit in the default configuration. The code of a tick is compiled twice: with these features
-/// as constants, and for any features.
+/// Features of the two most common traversal units: the default one, and one for wide nodes. The code of a tick is
+/// compiled three times: with the features of each as constants, and for any features.
 inline constexpr TrvFeatures kDefaultTrvFeatures{};
+inline constexpr TrvFeatures kWideTrvFeatures{.plain = false, .wide = true};
+enum class TrvCode : std::uint8_t { kDefault, kWide, kAny };
 
-/// A traversal unit (TRV) takes independent rays through a 2-wide BVH. Its three sub-pipes work in parallel, each on
+/// A traversal unit (TRV) takes independent rays through a BVH. Its three sub-pipes work in parallel, each on
 /// one operation per cycle.
 ///
-///   rays --> [input buffer: up to 64 slots] --> inner: node fetch (L1) + both boxes --+
+///   rays --> [input buffer: up to 64 slots] --> inner: node fetch (L1) + boxes -------+
 ///                   ^                       --> stack: one pop ----------------------+--> back to the buffer
 ///                   |                       --> leaf: to the IST, `count` cycles -----> ... answer
 ///                   +---- finished rays leave in any order
@@ -52,6 +58,10 @@ inline constexpr TrvFeatures kDefaultTrvFeatures{};
 /// not change.
 /// 5. At an instance, the unit reads the instance's record, one line, through the L1 and transforms the ray into the
 /// instance's space. The slot keeps the original ray, so a pop out of the instance has no extra cost.
+/// 6. A visit of a wide node with n children takes ceil(n / box_testers) cycles of the box pipe. Meanwhile, lines that
+/// are not the last of their visit may be read. Decoding quantised boxes and ordering the hit children add latency.
+/// 7. With stack_push: node, rays visit children beyond their hit too. Such a visit hits nothing; the tests of such a
+/// leaf end with their distance.
 ///
 /// Not modelled: reuse of a ray's slot in the input buffer while the ray waits in the RAU table.
 class Trv {
@@ -83,7 +93,7 @@ class Trv {
       {CycleReason::kOutputFull,
        sim::waiting_reason("output_full", "finished rays wait for room at the ray dispatcher")},
       {CycleReason::kSerial,
-       sim::working_reason("serial", "a pop or a leaf occupied the shared pipe (box_testers: 1)")},
+       sim::working_reason("serial", "a pop, a leaf or a wide visit occupied the shared pipe (box_testers: 1)")},
       {CycleReason::kRauFull,
        sim::waiting_reason("rau_full", "a ray stalls the fetch stage because the table of waiting rays is full (rau)")},
   });
@@ -93,6 +103,11 @@ class Trv {
     std::uint64_t restarted_visits = 0, first_passes = 0;
     std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< box tests in floating point and in fixed point, computed by
                                                         ///< stats()
+    std::uint64_t q8_box_tests = 0, q12_box_tests = 0;  ///< box tests with quantised planes, computed by stats()
+    std::uint64_t children = 0;                         ///< children of the wide nodes visited, not reported
+    std::uint64_t box_cycles = 0;
+    std::uint64_t idle_lanes = 0, clocked_lanes = 0, decoded_nodes = 0, comparisons = 0;
+    std::uint64_t node_lines = 0, parent_links = 0, extra_visits = 0, extra_leaves = 0, extra_tests = 0;
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
@@ -106,6 +121,18 @@ class Trv {
       counter(NAMED(s.first_passes), "passes that test the first child only (one box tester)", "tni.ray_update");
       counter(NAMED(s.box_tests), "child boxes tested, floating-point", "tni.box_test");
       counter(NAMED(s.hybrid_box_tests), "child boxes tested, fixed-point planes and origin", "tni.box_test_hybrid");
+      counter(NAMED(s.q8_box_tests), "child boxes tested, planes of 8 bits", "tni.box_test_q8");
+      counter(NAMED(s.q12_box_tests), "child boxes tested, planes of 12 bits", "tni.box_test_q12");
+      counter(NAMED(s.box_cycles), "cycles of the box pipe that visits of wide nodes take");
+      counter(NAMED(s.idle_lanes), "box testers without a child in the cycles of visits");
+      counter(NAMED(s.clocked_lanes), "of these, testers that are clocked (idle_testers: clocked)", "tni.box_idle");
+      counter(NAMED(s.decoded_nodes), "nodes with quantised boxes tested", "tni.node_decode");
+      counter(NAMED(s.comparisons), "comparisons that order the children of wide nodes", "tni.order_compare");
+      counter(NAMED(s.node_lines), "lines read by visits of wide nodes");
+      counter(NAMED(s.parent_links), "parent links read (stack: parent)");
+      counter(NAMED(s.extra_visits), "of the visits, those of nodes beyond the hit (stack_push: node)");
+      counter(NAMED(s.extra_leaves), "leaves beyond the hit that were sent (stack_push: node)");
+      counter(NAMED(s.extra_tests), "triangles of these leaves");
       counter(NAMED(s.transforms), "rays transformed into an instance's space, restarts included", "tni.ray_transform");
       FetchStats::describe(s, counter);
       counter(NAMED(s.bypass_passes), "passes of a ray that missed through the box pipe, without work",
@@ -155,13 +182,16 @@ class Trv {
     std::uint32_t node = 0, slot = 0;
   };
 
-  /// Simulates one cycle of the traversal unit. `kDefault`: its features are the constants kDefaultTrvFeatures.
-  template <bool kDefault>
+  /// Simulates one cycle of the traversal unit. `kCode`: which of its features are constants.
+  template <TrvCode kCode>
   sim::Time simulate_cycle(const Cycle& cycle);
+  sim::Time simulate_cycle_of_wide(const Cycle& cycle);
   sim::Time simulate_cycle_with_any_features(const Cycle& cycle);
-  template <bool kDefault>
+  template <TrvCode kCode>
   TrvFeatures active_features() const {
-    return kDefault ? kDefaultTrvFeatures : features_;
+    if constexpr (kCode == TrvCode::kDefault) return kDefaultTrvFeatures;
+    if constexpr (kCode == TrvCode::kWide) return kWideTrvFeatures;
+    return features_;
   }
 
   // Each of these functions does at most one operation. It returns true if it did one.
@@ -192,23 +222,45 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
-  template <bool kDefault>
+  template <TrvCode kCode>
   CycleReason issue_visit(std::uint32_t index, const Cycle& cycle);
+  /// A line that a visit reads, with the node of the visit.
+  struct VisitLine {
+    std::uint32_t node = 0;
+    WideRecord record;       ///< only for wide nodes
+    bool of_parent = false;  ///< the line is that of the node's parent link
+    TreeInMemory::Line read;
+  };
+  /// Returns the next line that the visit of a slot reads. The slot must not be at an instance.
+  template <TrvCode kCode>
+  VisitLine next_line(const TraversalSlot& slot, std::uint32_t index) const;
+  /// Reads a line that is not the last of its visit, if a slot needs one. For cycles in which the box pipe is occupied.
+  template <TrvCode kCode>
+  void read_early_line(const Cycle& cycle);
   CycleReason handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   bool enters_instance(const TraversalSlot& slot, std::uint32_t index) const;
   CycleReason issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   CycleReason issue_in_shared_pipe(const Cycle& cycle);
   std::uint64_t shared_pipe_slots(bool room_for_leaves) const;
+  template <TrvCode kCode>
   void issue_pop(const Cycle& cycle);
+  template <TrvCode kCode>
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
+  /// Takes the next child of the youngest entry of a slot's NodeStack. Returns the sub-pipe that the ray then needs.
+  Pipe pop_node_stack(TraversalSlot& slot, std::uint32_t index);
+  Pipe continue_at_child(TraversalSlot& slot, std::uint32_t index, std::uint32_t link);
   void send_leaf(sim::Time now, std::uint32_t index);
   /// Ends a pass of a node visit, which tests the box of one child. Returns false if the visit needs another pass, for
   /// the other child.
   bool end_box_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
-  template <bool kDefault>
+  template <TrvCode kCode>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
-  bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
-  template <bool kDefault>
+  template <TrvCode kCode>
+  void complete_wide_visit(TraversalSlot& slot, std::uint32_t index, const VisitLine& line, const Cycle& cycle);
+  /// Completes a visit that a restarted ray repeats. Returns the sub-pipe that the ray then needs.
+  Pipe complete_replayed_visit(TraversalSlot& slot, std::uint32_t index);
+  bool is_extra(std::uint32_t index) const { return (extra_ & slot_bit(index)) != 0; }
+  template <TrvCode kCode>
   void take_from_pipes(const Cycle& cycle);
   /// Lists the far children of the last visits of the slots `visited_slots`, which hit both children, for prefetching.
   void collect_far_nodes(std::uint64_t visited_slots);
@@ -228,9 +280,9 @@ class Trv {
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   const std::uint32_t box_latency_, transform_latency_;  ///< latencies in cycles, including an L1 hit
   const std::uint32_t stack_latency_;
-  const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
+  const StackRules stack_;
   const TrvFeatures features_;
-  const bool is_default_;    ///< the features of the TRV equal kDefaultTrvFeatures
+  const TrvCode code_;       ///< the code with the TRV's features
   bool rays_moved_ = false;  ///< a ray has entered or left the input buffer in this cycle
   bool full_ = false;        ///< every slot has had a ray since time `full_since_` and visit number `full_since_visit_`
   std::vector<TraversalSlot> slots_;
@@ -240,13 +292,23 @@ class Trv {
   FetchStage fetch_;
   TimingWheel<kPipes> pipes_;  ///< slots inside the pipes, by the sub-pipe that they need next
 
+  sim::Time boxes_free_at_ = 0;  ///< time at which the box pipe is free, after a visit of several cycles
   const TreeInMemory tree_;
   Links links_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
   std::uint64_t at_ist_ = 0;             ///< mask of the slots that wait for the intersection unit's answer
   std::uint64_t both_children_hit_ = 0;  ///< mask of the slots in the box pipe whose visit hits both children
+  /// Mask of the slots that visit a node or leaf beyond the hit, which is not in the walk; the links of these.
+  std::uint64_t extra_ = 0;
+  std::vector<std::uint32_t> extra_links_;
   const TrvConfig config_;
+  const bool reads_parent_links_;  ///< a repeated visit begins with the parent link that names its node
+  const bool reads_early_lines_;   ///< visits may read lines that are not their last
+  /// Cycles of the box pipe and comparisons of a visit of a wide node, by its number of children.
+  std::array<std::uint8_t, traces::kMaxWidth + 1> passes_{}, comparisons_{};
+  const WideRecord* const wide_records_;  ///< records of the tree's wide nodes
+  std::vector<NodeStack> node_stacks_;
   std::vector<const std::uint32_t*> begins_;  ///< start of the recorded walk of each slot's ray
   std::vector<RestartPath> paths_;            ///< for each slot's ray, the nodes to visit again after a restart
   std::vector<StackEntryOrigin> entries_;     ///< scratch space for restarts of rays

@@ -156,7 +156,7 @@ TileTraits TilePilot::measure_tile(const traces::TileWork& work) {
         l1_misses += 1;
         second_level(line);
       },
-      [&](hw::Addr line) {
+      [&](std::uint32_t, hw::Addr line) {
         if (access_line(core.ist, line)) return;
         l1_misses += 1;
         second_level(line);
@@ -175,6 +175,10 @@ TileTraits TilePilot::measure_tile(const traces::TileWork& work) {
   for (std::size_t i = 0; i < work.ray_begin.size(); ++i) {
     for (const std::uint32_t* step = &work.walk[work.ray_begin[i]]; traces::kind_of(*step) != traces::StepKind::kEnd;
          ++step) {
+      if (traces::is_wide(*step)) {
+        ++step;  // skips the word of hits
+        continue;
+      }
       if (traces::kind_of(*step) != traces::StepKind::kLeaf || traces::is_enter(*step)) continue;
       tests += traces::count_of(*step);
       steps_[i] += traces::count_of(*step);

@@ -22,8 +22,13 @@ enum class Range : std::uint8_t {
   kSane,  ///< half to double the default; nothing is ideal
 };
 
-bool is_drawn(const sim::ConfigNode& field, Range range) {
+/// Trees for which a machine is drawn. With binary trees a machine has one or two box testers and one intersection
+/// unit.
+enum class Trees : std::uint8_t { kBinary, kWide };
+
+bool is_drawn(const sim::ConfigNode& field, Range range, Trees trees) {
   const auto within = [&](const char* group) { return field.path.starts_with(group); };
+  if (trees == Trees::kBinary && field.path == "tni.ists") return false;
   if (field.affects != sim::Affects::kTiming && field.affects != sim::Affects::kWalk) return false;
   if (range == Range::kSane && within("ideal.")) return false;
   const bool of_grade = within("dram.timing.") || within("dram.organisation.");
@@ -32,11 +37,12 @@ bool is_drawn(const sim::ConfigNode& field, Range range) {
 
 class Drawing {
  public:
-  Drawing(std::uint64_t seed, Range range, sim::ConfigNode& root) : seed_(seed), range_(range), root_(root) {}
+  Drawing(std::uint64_t seed, Range range, Trees trees, sim::ConfigNode& root)
+      : seed_(seed), range_(range), trees_(trees), root_(root) {}
 
   void draw(sim::ConfigNode& node) {
     for (sim::ConfigNode& child : node.children) draw(child);
-    if (!node.is_group() && is_drawn(node, range_)) draw_field(node);
+    if (!node.is_group() && is_drawn(node, range_, trees_)) draw_field(node);
   }
 
  private:
@@ -78,7 +84,8 @@ class Drawing {
     std::visit(sim::Overloaded{
                    [&](bool* member) { change(*member, below(2) == 1); },
                    [&](std::uint32_t* member) {
-                     const std::uint64_t most = field.path == "cores" ? 4 : 3 * std::uint64_t{*member} + 2;
+                     const bool two = trees_ == Trees::kBinary && field.path == "tni.trv.box_testers";
+                     const std::uint64_t most = field.path == "cores" ? 4 : two ? 2 : 3 * std::uint64_t{*member} + 2;
                      const std::uint64_t drawn = sane ? near(limits, *member) : number(limits, most);
                      change(*member, static_cast<std::uint32_t>(drawn));
                    },
@@ -97,7 +104,10 @@ class Drawing {
                    [&](sim::Duration* member) {
                      change(*member, {sane ? near(limits, member->time) : number(limits, 3 * member->time)});
                    },
-                   [&](sim::EnumTarget& member) { member.set(below(member.names.size())); },
+                   [&](sim::EnumTarget& member) {
+                     const bool no_links = trees_ == Trees::kBinary && field.path == "tni.trv.stack";
+                     member.set(below(member.names.size() - (no_links ? 1 : 0)));
+                   },
                    [](auto&) {},
                },
                *field.target);
@@ -105,16 +115,17 @@ class Drawing {
 
   std::uint64_t seed_;
   Range range_;
+  Trees trees_;
   std::uint64_t field_ = 0;  ///< hash of the field's path; values therefore do not depend on other fields
   std::uint64_t draws_ = 0;  ///< number of values drawn for this field
   sim::ConfigNode& root_;
 };
 
-GpuConfig drawn(std::uint64_t seed, Range range) {
+GpuConfig drawn(std::uint64_t seed, Range range, Trees trees = Trees::kBinary) {
   GpuConfig config;
   config.dram = sim::load_config<DramConfig>(kGrades[sim::hash(seed) % kGrades.size()]);
   sim::ConfigNode root = sim::config_tree(config);
-  Drawing(seed, range, root).draw(root);
+  Drawing(seed, range, trees, root).draw(root);
   sim::check_config(config);
   return config;
 }
@@ -122,6 +133,14 @@ GpuConfig drawn(std::uint64_t seed, Range range) {
 }  // namespace
 
 GpuConfig random_config(std::uint64_t seed) { return drawn(seed, Range::kWild); }
+GpuConfig random_wide_config(std::uint64_t seed) {
+  GpuConfig config = drawn(seed, Range::kWild, Trees::kWide);
+  TrvConfig& trv = config.tni.trv;
+  const TreeKind slowest{.wide = true, .format = traces::NodeFormat::kQ8, .slots = traces::kMaxWidth};
+  const std::uint32_t pipe = trv.l1.hit_cycles + trv.visit_latency(slowest) + trv.most_passes(slowest) - 1;
+  trv.box_latency -= std::min(trv.box_latency - 1, pipe > kLongestPipe ? pipe - kLongestPipe : 0);
+  return config;
+}
 GpuConfig sane_config(std::uint64_t seed) { return drawn(seed, Range::kSane); }
 
 }  // namespace hw::test

@@ -1,3 +1,4 @@
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -56,6 +57,43 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
 INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart),
                          ::test::ParamName());
 
+/// Returns one of eight kinds of wide trees, by its number.
+traces::BvhConfig wide_format_of(std::uint64_t number) {
+  using enum traces::NodeFormat;
+  traces::BvhConfig bvh;
+  bvh.format = std::array{kQ8, kQ12, kCw80, kFp32, kHybrid, kQ8, kQ12, kFp32}[number % 8];
+  bvh.width = std::array{8U, 8U, 8U, 4U, 6U, 4U, 6U, 8U}[number % 8];
+  bvh.leaf = std::array{traces::LeafFormat::kTriangles, traces::LeafFormat::kBlock128,
+                        traces::LeafFormat::kPair64}[number % 3];
+  bvh.leaf_size = 3;
+  bvh.order = bvh.format == kCw80 ? traces::ChildOrder::kOctant
+              : number % 2 == 0   ? traces::ChildOrder::kSort
+                                  : traces::ChildOrder::kNearest;
+  if (number % 5 == 0 && bvh.format != kHybrid) bvh.instances = traces::InstanceLevels::kTwoLevel;
+  return bvh;
+}
+
+class WideRandomMachines : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(WideRandomMachines, MakeTheSamePictureOnAnyEngineAndLoseNothing) {
+  for (std::uint64_t seed = GetParam(); seed < ::test::full_or(50U, 20U); seed += 10) {
+    SCOPED_TRACE(seed);
+    const Frame frame("cornell", 16, 16, 1, 16, wide_format_of(seed));
+    const GpuConfig config = test::random_wide_config(seed);
+    const Outcome run = play(frame, config);
+    EXPECT_EQ(difference(run, play(frame, config, test::Engine::kOracle)), "");
+    EXPECT_EQ(difference(run, play(frame, config, test::Engine::kShuffled, seed)), "");
+    EXPECT_EQ(difference(play(frame, GpuConfig()).function, run.function), "");
+    expect_conserved(run, frame, config);
+    EXPECT_EQ(run.sum("trv", "box_tests") + run.sum("trv", "hybrid_box_tests") + run.sum("trv", "q8_box_tests") +
+                  run.sum("trv", "q12_box_tests") + run.sum("trv", "idle_lanes"),
+              run.sum("trv", "box_cycles") * config.tni.trv.box_testers);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Fifty, WideRandomMachines, ::testing::Range(std::uint64_t{0}, std::uint64_t{10}),
+                         ::test::ParamName());
+
 /// Counts how often each value of each enum or boolean field was drawn.
 using Draws = std::map<std::string, std::map<std::string, int>>;
 
@@ -70,7 +108,8 @@ void count_choices(const sim::ConfigNode& node, Draws& draws) {
     ++draws[node.path][**on ? "true" : "false"];
   } else if (node.path == "tni.trv.box_testers" || node.path == "dram.organisation.ranks") {
     for (const char* name : {"1", "2"}) draws[node.path].try_emplace(name, 0);
-    ++draws[node.path][std::to_string(*std::get<std::uint32_t*>(*node.target))];
+    const std::string value = std::to_string(*std::get<std::uint32_t*>(*node.target));
+    if (draws[node.path].contains(value)) ++draws[node.path][value];
   }
 }
 
@@ -79,6 +118,8 @@ TEST(RandomMachinesDrawn, HaveEveryMechanismMoreThanAFewTimes) {
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
     GpuConfig config = test::random_config(seed);
     count_choices(sim::config_tree(config), draws);
+    GpuConfig wide = test::random_wide_config(seed);
+    count_choices(sim::config_tree(wide), draws);
   }
   EXPECT_GE(draws.size(), 20U);
   for (const auto& [path, values] : draws) {

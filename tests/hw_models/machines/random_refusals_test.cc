@@ -70,12 +70,12 @@ constexpr CacheBreak kCacheBreaks[] = {
 };
 
 constexpr Break kBreaks[] = {
-    {"tni.trv.stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only",
+    {"tni.trv.stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail or parent only",
      [](GpuConfig& c) {
        c.tni.trv.stack = StackScheme::kRestartLink;
        c.tni.trv.stack_entries = 0;
      }},
-    {"tni.trv.stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only",
+    {"tni.trv.stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail or parent only",
      [](GpuConfig& c) {
        c.tni.trv.stack = StackScheme::kFull;
        c.tni.trv.stack_entries = 0;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "hw_models/tni/tni_core.h"
@@ -24,6 +25,13 @@ class TniHarness {
     std::uint32_t node_bytes = 64;
     std::uint32_t triangle_bytes = 48;
     bool hybrid = false;
+    // Wide nodes and leaf records of several triangles (tree_in_memory.h).
+    TreeKind kind;
+    std::vector<WideRecord> wide;
+    std::vector<traces::WideNode> wide_links;
+    std::vector<std::uint32_t> triangle_places;
+    bool decoded = false;
+    bool parents_in_nodes = false;
     TniCore::Ideal ideal;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
@@ -34,7 +42,7 @@ class TniHarness {
       : setup_(setup),
         source_id_(machine_.unit({"source", clock_})),
         memory_id_(machine_.unit({"memory", clock_})),
-        tni_(machine_, setup.config, setup.ideal, 0, clock_),
+        tni_(machine_, setup.config, setup.ideal, 0, clock_, setup.kind),
         rays_in_(machine_.link<RayJob>(setup.fifo, 1, source_id_, tni_.dispatcher_id())),
         hits_out_(machine_.link<RayDone>(setup.fifo, 1, tni_.dispatcher_id(), source_id_)) {
     for (const MemoryClient& client : tni_.memory_clients()) {
@@ -44,10 +52,17 @@ class TniHarness {
     }
     machine_.build<Source>(source_id_, *this);
     machine_.build<Memory>(memory_id_, *this);
-    const TreeInMemory tree{0,       setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links,
-                            1 << 19, setup_.placed};
-    tni_.build_units(machine_, {tree, {1 << 20, setup.triangle_bytes}}, setup.hit_interval,
-                     {rays_in_, hits_out_, ports_});
+    TreeInMemory tree{0,       setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links,
+                      1 << 19, setup_.placed};
+    tree.kind = setup.kind;
+    if (setup.kind.wide) tree.wide = std::make_shared<const std::vector<WideRecord>>(setup.wide);
+    tree.wide_nodes_have_lines =
+        std::ranges::any_of(setup.wide, [](const WideRecord& record) { return record.lines > 1; });
+    tree.wide_links = setup_.wide_links;
+    tree.parent_links = 1 << 22;
+    tree.parents_in_nodes = setup.parents_in_nodes;
+    tni_.build_units(machine_, {tree, {1 << 20, setup.triangle_bytes, setup_.triangle_places, setup.decoded}},
+                     setup.hit_interval, {rays_in_, hits_out_, ports_});
   }
 
   TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {

@@ -159,7 +159,7 @@ Fingerprint fingerprint(const TniHarness& harness) {
   Fingerprint f;
   f.values.push_back(harness.end_time());
   append(f, harness.tni().dispatcher());
-  append(f, harness.tni().ist());
+  append(f, harness.tni().ist_of(0));
   for (const Trv* trv : harness.tni().trvs()) append(f, *trv);
   return f;
 }
@@ -196,10 +196,10 @@ TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
     std::iota(all.begin(), all.end(), 0U);
     EXPECT_EQ(ids, all);
 
-    const Ist::Stats& ist = harness.tni().ist().stats();
+    const Ist::Stats& ist = harness.tni().ist_of(0).stats();
     EXPECT_EQ(ist.leaves_in, ist.leaves_out);
     EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
-    EXPECT_EQ(harness.tni().ist().activity().accounted_until(), harness.end_time());
+    EXPECT_EQ(harness.tni().ist_of(0).activity().accounted_until(), harness.end_time());
     std::uint64_t leaves = 0, fills = ist.l1_fills;
     for (const Trv* trv : harness.tni().trvs()) {
       const Trv::Stats& s = trv->stats();

@@ -125,8 +125,10 @@ const Walk kThreeEntries = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), vis
                                    visit_step(8, 0, 0), visit_step(4, 0, 0), visit_step(2, 0, 0), end_step(false)});
 
 /// Returns the nodes that a ray with an empty short stack visits again before it can pop the entry of node 3.
-std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, TraversalSlot& slot, StackStats& stats) {
+std::vector<std::uint32_t> replayed(StackScheme scheme, std::uint32_t capacity, TraversalSlot& slot,
+                                    StackStats& stats) {
   const SmallTree small;
+  const StackRules rules{scheme, capacity};
   std::vector<StackEntryOrigin> scratch;
   RestartPath path;
   for (int visit = 0; visit < 4; ++visit) slot.advance_to_next_step(capacity, capacity != 0, stats);
@@ -135,12 +137,12 @@ std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, Trav
     slot.advance_to_next_step(capacity, capacity != 0, stats);
   }
   EXPECT_EQ(slot.next_pipe(), kToStack);
-  slot.restart_walk(kThreeEntries.data(), small.tree, has_trail, capacity, scratch, path, stats);
+  slot.restart_walk(kThreeEntries.data(), small.tree, rules, scratch, path, stats);
   std::vector<std::uint32_t> nodes;
   while (slot.is_restarting()) {
     EXPECT_EQ(slot.next_pipe(), kToInner);
     nodes.push_back(path.next_node());
-    slot.complete_replayed_visit(path, has_trail);
+    if (slot.complete_replayed_visit(path) && rules.continues_without_pop()) slot.consume_entry();
   }
   return nodes;
 }
@@ -149,7 +151,7 @@ TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToThePoppedOne) {
   // Two entries fit into the short stack: those of nodes 1 and 3 are popped; that of node 0 was dropped.
   TraversalSlot slot(kThreeEntries.data(), 0);
   StackStats stats;
-  EXPECT_EQ(replayed(false, 2, slot, stats), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(replayed(StackScheme::kRestartLink, 2, slot, stats), (std::vector<std::uint32_t>{0}));
   EXPECT_EQ(stats.restarts, 1U);
   EXPECT_EQ(slot.next_pipe(), kToStack) << "the entry that was found again is popped";
   EXPECT_TRUE(slot.pop_stack_entry(stats));
@@ -159,7 +161,7 @@ TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToThePoppedOne) {
 TEST(Restart, WithoutAnyStackDescendsFromTheRootForEachPop) {
   TraversalSlot slot(kThreeEntries.data(), 0);
   StackStats stats;
-  EXPECT_EQ(replayed(true, 0, slot, stats), (std::vector<std::uint32_t>{0, 1, 3}));
+  EXPECT_EQ(replayed(StackScheme::kRestartTrail, 0, slot, stats), (std::vector<std::uint32_t>{0, 1, 3}));
   EXPECT_EQ(slot.next_pipe(), kToInner) << "a trail needs no pop";
   EXPECT_EQ(traces::node_of(slot.next_step()), 8U);
 }

@@ -120,7 +120,7 @@ TEST(TreeRecords, TrianglesOf36BytesReadTheLinesTheyOccupy) {
     setup.ideal.l1 = true;
     TniHarness harness(setup);
     harness.add({visit_step(0, 1, 0), leaf_step(0, 3), 0x111, end_step(false)}).run();
-    return harness.tni().ist().stats().l1_accesses;
+    return harness.tni().ist_of(0).stats().l1_accesses;
   };
   EXPECT_EQ(accesses(36), 1U + 2U + 1U);  // from 0, 36 (across 64) and 72 on
   EXPECT_EQ(accesses(48), 1U + 2U + 2U);  // from 0, 48 (across 64) and 96 (across 128) on

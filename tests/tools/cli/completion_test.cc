@@ -87,7 +87,8 @@ TEST_F(Bash, CompletesNamesOfWhatIsShownOrReproduced) {
   EXPECT_EQ(offered("raywatt scenes info teap"), Words{"teapot"});
   EXPECT_EQ(offered("raywatt reproduce lee"), Words{"lee2016"});
   EXPECT_EQ(offered("raywatt kernels show shade_d"), Words{"shade_diffuse"});
-  EXPECT_EQ(offered("raywatt energy show tni.box_test_"), Words{"tni.box_test_hybrid"});
+  EXPECT_EQ(offered("raywatt energy show tni.box_test_"),
+            (Words{"tni.box_test_hybrid", "tni.box_test_q12", "tni.box_test_q8"}));
 }
 
 TEST_F(Bash, CompletesWhatFollowsAnEqualsSign) {

@@ -58,7 +58,7 @@ TEST(WideTrees, GiveTheSamePictureAndAgreeWithEmbree) {
   }
 }
 
-TEST(WideTrees, AreRecordedAndRefusedByMachines) {
+TEST(WideTrees, AreReplayedAsTheyAreSimulated) {
   const TempFolder folder;
   for (const Words& form : kForms) {
     SCOPED_TRACE(text_of(form));
@@ -68,10 +68,14 @@ TEST(WideTrees, AreRecordedAndRefusedByMachines) {
     const ProcessResult ending = raywatt(record);
     ASSERT_EQ(ending.exit, 0) << ending.err;
     EXPECT_EQ(raywatt({"trace", "info", trace}).exit, 0);
-    expect_refusal(raywatt({"trace", "replay", trace, "-o", (folder.path() / "r").string()}),
-                   {"bvh: T&I units traverse"});
-    expect_refusal(raywatt(small_run(folder.path() / "out", form)),
-                   {"bvh: T&I units traverse", "allowed", "bvh.width=2"});
+    const std::filesystem::path replayed = folder.path() / "r", simulated = folder.path() / "out";
+    const ProcessResult replay = raywatt({"trace", "replay", trace, "-o", replayed.string(), "--force"});
+    ASSERT_EQ(replay.exit, 0) << replay.err;
+    Words words = {"run", "--resolution", "16x16", "--quiet", "--force", "-o", simulated.string()};
+    words.insert(words.end(), form.begin(), form.end());
+    const ProcessResult run = raywatt(words);
+    ASSERT_EQ(run.exit, 0) << run.err;
+    EXPECT_EQ(read_json(replayed / "report.json")["units"], read_json(simulated / "report.json")["units"]);
   }
 }
 

@@ -147,8 +147,16 @@ std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels
   return simulate_variants(inputs, requirements, work, plain.result, plays, "replicating", threads, progress);
 }
 
-std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises) {
-  const traces::MemoryImage nothing;
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises,
+                                               const traces::BvhConfig& bvh) {
+  traces::MemoryImage nothing;
+  if (bvh.is_wide()) {
+    nothing.wide_nodes.resize(1);
+    nothing.wide_format = bvh.node_format();
+    nothing.width = bvh.width;
+    nothing.child_order = bvh.order;
+  }
+  nothing.leaf_format = bvh.leaf;
   hw::TileSource tiles;
   // Kernels that no tile uses get no schedule: scheduling would dominate the time.
   hw::Gpu::Workload workload{

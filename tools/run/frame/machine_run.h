@@ -9,6 +9,7 @@
 #include "sim/unit_report.h"
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/run_job.h"
+#include "traces/accel/bvh_config.h"
 #include "traces/ray.h"
 
 namespace hw {
@@ -18,8 +19,9 @@ struct GpuConfig;
 namespace tools {
 
 /// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
-/// their energy events. `rasterises`: the machine has rasterisers.
-std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises = false);
+/// their energy events. `rasterises`: the machine has rasterisers. `bvh`: the trees for which its T&I units are built.
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises = false,
+                                               const traces::BvhConfig& bvh = {});
 
 /// Warms the caches of a machine, before its first cycle, with the last tiles of `frame`, as if it were the previous
 /// frame. A frame of several passes is executed as a whole and must not have been executed before. `workers`: threads

@@ -52,7 +52,7 @@ std::vector<std::string> technology_table_warnings(const RunConfig& config, std:
 
 std::vector<std::string> technology_table_warnings(const RunConfig& config) {
   const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return technology_table_warnings(config, idle_unit_reports(*config.gpu, rasterises));
+  return technology_table_warnings(config, idle_unit_reports(*config.gpu, rasterises, config.bvh));
 }
 
 void add_warnings(std::vector<std::string>& lines, const std::vector<std::string>& more) {

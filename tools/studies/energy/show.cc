@@ -169,7 +169,9 @@ std::map<std::string, std::set<std::string>> counters_by_event(const std::vector
 class Users {
  public:
   explicit Users(const RunConfig& config)
-      : config_(config), units_(idle_unit_reports(*config.gpu, true)), counters_(counters_by_event(units_)) {}
+      : config_(config),
+        units_(idle_unit_reports(*config.gpu, true, config.bvh)),
+        counters_(counters_by_event(units_)) {}
 
   const std::vector<sim::UnitReport>& all_units() const { return units_; }
 

@@ -199,8 +199,9 @@ double SearchRun::exact_area(const Choice& choice, double quantile) {
   if (!point.error.empty()) return 0;
   const RunConfig& config = keys_.config_of(point);
   const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return area_at(sim::compute_area(idle_unit_reports(*config.gpu, rasterises), config.energy, config.area).total,
-                 quantile);
+  return area_at(
+      sim::compute_area(idle_unit_reports(*config.gpu, rasterises, config.bvh), config.energy, config.area).total,
+      quantile);
 }
 
 Choice SearchRun::choice_on_workload(const Choice& machine, std::size_t workload) const {
