@@ -68,6 +68,7 @@ std::vector<Case> jin_cases(bool quick);
 std::vector<Case> chiu_cases(bool quick);
 std::vector<Case> sgrt_unit_cases(bool quick);
 std::vector<Case> hybrid_cases(bool quick);
+std::vector<Case> wide_cases(bool quick);
 
 /// Returns all papers whose experiments can be reproduced.
 const std::vector<Paper>& all_papers();
@@ -78,6 +79,18 @@ Sets reproduction_settings();
 
 /// Returns settings to measure T&I units alone: ideal shader cores and tile buffers, so that they never wait for rays.
 Sets tni_alone_settings();
+
+/// Returns the settings of `a`, then those of `b`, which override them.
+Sets join_sets(Sets a, const Sets& b);
+
+/// Returns metrics that are all shown in the same table or figure of a paper.
+std::vector<PaperMetric> metric_list(const std::string& experiment, const std::vector<std::string>& metrics);
+
+/// Returns an experiment with one sample per pixel at 512x256 pixels; a quarter of width and height if `quick`.
+Case case_of_full_1(const View& view, const std::string& setting, const Sets& run, const Sets& reference, bool quick);
+
+/// Returns the five scenes on which mechanisms of T&I units are compared; one small scene if `quick`.
+std::vector<View> sgrt_views(bool quick);
 
 /// Returns the width or height of an experiment's picture: `pixels`, or a sixteenth of it if `quick`.
 std::uint32_t side_pixels(std::uint32_t pixels, bool quick);

@@ -18,11 +18,13 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/wavefront.h"
 #include "sim/error.h"
+#include "sim/report/area.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/units.h"
 #include "tools/host/parallel.h"
 #include "tools/run/frame/ground_truth.h"
+#include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/node_format.h"
 #include "traces/scene/images.h"
@@ -214,11 +216,15 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
   out.box_bytes = records * traces::box_bytes(config.bvh.box_numbers(), config.bvh.boxes);
   out.node_bytes = inputs_->image.node_array_bytes();
+  out.bytes_per_triangle = traces::bvh_info(inputs_->image, config.bvh).bytes_per_triangle();
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
   const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};
   if (c.machine) {
     out.simulation = simulate_frame(*inputs_, spec, options_.threads, extras);
+    if (!config.area.arrays.empty()) {
+      out.area_mm2 = sim::compute_area(out.simulation.units, config.energy, config.area).total.nominal;
+    }
   } else {
     out.simulation.program = spec;
     out.simulation.rendered = render_frame(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads, extras);
@@ -311,6 +317,12 @@ std::uint64_t l1_counter(const ProgramResult& o, std::uint64_t hw::FetchStats::*
 std::uint64_t dram_bytes_of(const ProgramResult& o) {
   return Units<hw::DramChannel>(o.simulation.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
+std::uint64_t visits_of(const ProgramResult& o) {
+  return Units<hw::Trv>(o.simulation.units).sum_of(&hw::Trv::Stats::visits);
+}
+std::uint64_t triangle_tests_of(const ProgramResult& o) {
+  return Units<hw::Ist>(o.simulation.units).sum_of(&hw::Ist::Stats::tests);
+}
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
 /// Returns the share of the cache lines read by T&I units that hit the L1 at the first probe.
 double l1_first_probe_hit_rate(const ProgramResult& o) {
@@ -370,7 +382,7 @@ Value masked_psnr(const Comparison& c) {
 
 constexpr std::string_view kMaskedPrefix = "psnr_at_";
 
-constexpr std::array<Metric, 43> kMetrics = {{
+constexpr std::array<Metric, 47> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"psnr_at_object_edges", "the same of pixels with different objects or normals", Shown::kDecibel, false,
@@ -442,6 +454,14 @@ constexpr std::array<Metric, 43> kMetrics = {{
      [](const Comparison& c) { return ratio_of(c.run.box_bytes, c.reference.box_bytes); }},
     {"node_bytes_ratio", "the same of whole nodes", Shown::kFactor, false,
      [](const Comparison& c) { return ratio_of(c.run.node_bytes, c.reference.node_bytes); }},
+    {"bytes_per_triangle", "bytes of nodes and leaves per triangle", Shown::kCount, false,
+     [](const Comparison& c) { return Value(c.run.bytes_per_triangle); }},
+    {"visits_ratio", "nodes visited, restarts included, against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio_of(visits_of(c.run), visits_of(c.reference)); }},
+    {"tests_ratio", "triangles tested against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio_of(triangle_tests_of(c.run), triangle_tests_of(c.reference)); }},
+    {"perf_per_area", "frames per second and mm2 against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return product_of(speedup_of(c), ratio_of(c.reference.area_mm2, c.run.area_mm2)); }},
     {"check_share", "SRP cycles in similarity checks", Shown::kShare, true,
      [](const Comparison& c) { return kernel_group_share(c, KernelGroup::kCheck); }},
     {"interpolation_share", "SRP cycles in interpolation", Shown::kShare, true,

@@ -40,6 +40,8 @@ struct ProgramResult {
   FrameResult simulation;
   std::uint64_t pixels = 0;
   std::uint64_t box_bytes = 0, node_bytes = 0;  ///< size of the BVH in memory: of its boxes alone, and of its nodes
+  double bytes_per_triangle = 0;                ///< size of the BVH with its triangles
+  double area_mm2 = 0;                          ///< nominal area of the machine; 0 without timing or area table
   bool machine = true;                          ///< false: no timing was simulated, only the frame program was run
   const kernels::Sampling& sampling_counts() const { return simulation.rendered.sampling; }
 };
