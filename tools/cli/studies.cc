@@ -57,7 +57,7 @@ void add_reproduce_command(CLI::App& app, const std::vector<std::string>& argv) 
       app.add_subcommand("reproduce", "Run a paper's experiments, and print measured and published values");
   const auto options = std::make_shared<reproduce::Options>();
   options->argv = argv;
-  verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, chiu, sgrt-units or hybrid")->required();
+  verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, chiu, sgrt-units, hybrid or wide")->required();
   verb->add_option("--scenes", options->scenes, "folder of .glb files for scenes without a built-in substitute");
   verb->add_flag(
       "--quick", options->quick,
