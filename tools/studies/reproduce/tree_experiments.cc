@@ -18,9 +18,10 @@ struct RayMix {
 };
 
 std::array<RayMix, 2> ray_mixes() {
-  return {{{"primary rays", {"render.depth=1", "render.effects=none"}},
-           {"incoherent rays",
-            {"render.depth=1", "render.effects=occlusion", "render.occlusion_rays=4", "render.occlusion_distance=10"}}}};
+  return {
+      {{"primary rays", {"render.depth=1", "render.effects=none"}},
+       {"incoherent rays",
+        {"render.depth=1", "render.effects=occlusion", "render.occlusion_rays=4", "render.occlusion_distance=10"}}}};
 }
 
 struct Tree {
