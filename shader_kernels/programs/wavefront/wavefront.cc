@@ -179,31 +179,31 @@ using Q = StageQueues;
 
 // Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by material class.
 constexpr auto kSeparate = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, StageDependence::kBounce, kFetches},
-    {&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kItem, kFillsQueues | kEndsSurfaces},
+    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, WaitsFor::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kItem, kFillsQueues | kEndsSurfaces},
 });
 
 constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, StageDependence::kBounce, kFetches},
-    {&Q::surfaces, launch<ClassifyDetails>, StageDependence::kItem, kFillsQueues | kOwnItemsOnly},
-    {&Q::absorbing, launch<Absorb>, StageDependence::kBounce, kFillsQueues},
-    {&Q::vertexed, launch_by_instances<FetchVertices>, StageDependence::kBounce, kFillsQueues},
-    {&Q::based, launch_by_mips<ShadeBase>, StageDependence::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, StageDependence::kBounce, kFillsQueues},
-    {&Q::bumped, launch_by_mips<ShadeBump>, StageDependence::kBounce, kFillsQueues},
-    {&Q::blended, launch<ShadeBlend>, StageDependence::kBounce, kFillsQueues},
-    {&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kInspector, kFillsQueues | kEndsSurfaces},
+    {&Q::surfaces, launch_by_instances_and_cones<ShadeSurface>, WaitsFor::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifyDetails>, WaitsFor::kItem, kFillsQueues | kOwnItemsOnly},
+    {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues | kEndsSurfaces},
 });
 
 /// Stages for texture details, which run before the fused stage that lights surfaces.
 constexpr auto kFusedDetails = std::to_array<WaveStage>({
-    {&Q::surfaces, launch_by_instances_and_cones<FetchSurface>, StageDependence::kBounce, kFillsQueues},
-    {&Q::absorbing, launch<Absorb>, StageDependence::kBounce, kFillsQueues},
-    {&Q::vertexed, launch_by_instances<FetchVertices>, StageDependence::kBounce, kFillsQueues},
-    {&Q::based, launch_by_mips<ShadeBase>, StageDependence::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, StageDependence::kBounce, kFillsQueues},
-    {&Q::bumped, launch_by_mips<ShadeBump>, StageDependence::kBounce, kFillsQueues},
-    {&Q::blended, launch<ShadeBlend>, StageDependence::kBounce, kFillsQueues},
+    {&Q::surfaces, launch_by_instances_and_cones<FetchSurface>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
 });
 
 /// Fused stage that also adds ambient light and the first light, in two variants: for scenes without and with texture
@@ -213,8 +213,7 @@ struct LitStage {
 };
 constexpr LitStage lit_stage(Launch plain, Launch detailed, std::uint32_t effects) {
   const std::uint32_t all = kFillsQueues | kAddsColours | kCastsRays | effects;
-  return {{&Q::surfaces, plain, StageDependence::kBounce, all},
-          {&Q::surfaces, detailed, StageDependence::kBounce, all}};
+  return {{&Q::surfaces, plain, WaitsFor::kBounce, all}, {&Q::surfaces, detailed, WaitsFor::kBounce, all}};
 }
 constexpr LitStage kLit = lit_stage(launch_by_instances_and_cones<FetchLit>, launch<LightSurface>, kEndsSurfaces);
 constexpr LitStage kLitGeometry =
@@ -230,35 +229,32 @@ constexpr LitStage kLitSoft =
 constexpr LitStage kLitOcclusion = lit_stage(launch_by_instances_and_cones<FetchLitOcclusion>,
                                              launch<LightSurfaceOcclusion>, kEndsSurfaces | kCastsAmbientRays);
 
-constexpr WaveStage kReducedRate{&Q::surfaces, launch_by_instances_and_cones<FetchVisible>, StageDependence::kBounce,
+constexpr WaveStage kReducedRate{&Q::surfaces, launch_by_instances_and_cones<FetchVisible>, WaitsFor::kBounce,
                                  kFillsQueues | kRecordsHits};
 
 // Stages that shade the sorted surfaces.
 
-constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, StageDependence::kBounce, kAddsColours};
-constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, StageDependence::kInspector, kBaseColours};
+constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, WaitsFor::kInspector, kBaseColours};
 constexpr auto kEmission = std::to_array<WaveStage>({
-    {&Q::emissive, launch<ShadeEmission>, StageDependence::kBounce, kAddsColours},
-    {&Q::glowing, launch_by_mips<ShadeGlow>, StageDependence::kBounce, kAddsColours},
+    {&Q::emissive, launch<ShadeEmission>, WaitsFor::kBounce, kAddsColours},
+    {&Q::glowing, launch_by_mips<ShadeGlow>, WaitsFor::kBounce, kAddsColours},
 });
-constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, StageDependence::kBounce, kAddsColours};
-constexpr WaveStage kOcclusionTextures{&Q::occluded, launch_by_mips<ShadeOccluded>, StageDependence::kBounce,
-                                       kAddsColours};
-constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, StageDependence::kBounce,
+constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionTextures{&Q::occluded, launch_by_mips<ShadeOccluded>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, WaitsFor::kBounce,
                                    kCastsRays | kCastsAmbientRays};
-constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, StageDependence::kBounce,
+constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, WaitsFor::kBounce,
                                           kAddsColours | kCastsRays};
-constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, StageDependence::kBounce, kAddsColours};
-constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, StageDependence::kBounce, kCastsRays};
-constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, StageDependence::kBounce, kCastsRays};
+constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, WaitsFor::kBounce, kCastsRays};
+constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, WaitsFor::kBounce, kCastsRays};
 
 // Stages for interpolated surfaces, whose shadows are already known.
 
-constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, StageDependence::kInspector,
-                                      kFillsQueues};
-constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, StageDependence::kInspector,
-                                           kFillsQueues};
-constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, StageDependence::kBounce, kAddsColours};
+constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues};
+constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, WaitsFor::kInspector, kFillsQueues};
+constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, WaitsFor::kBounce, kAddsColours};
 
 // Stages that emit the rays of the next wave.
 
@@ -460,9 +456,9 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
                                               .light = light,
                                               .ray = ray});
   const Node node = launched.node;
-  if (stage.waits == StageDependence::kItem) graph_.wait_item_by_item(node, bounce.fetched);
-  if (stage.waits == StageDependence::kInspector) graph_.wait_for_all(node, bounce.inspector);
-  if (stage.waits == StageDependence::kBounce) wait_for_bounce(node, bounce);
+  if (stage.waits == WaitsFor::kItem) graph_.wait_item_by_item(node, bounce.fetched);
+  if (stage.waits == WaitsFor::kInspector) graph_.wait_for_all(node, bounce.inspector);
+  if (stage.waits == WaitsFor::kBounce) wait_for_bounce(node, bounce);
   if (stage.has(kAddsColours)) graph_.register_colour_writer(node);
   if (stage.has(kFetches)) bounce.fetched = node;
   if (stage.has(kFillsQueues)) bounce.inspector = node;

@@ -149,7 +149,7 @@ struct LaunchResult {
 using Launch = LaunchResult (*)(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
 
 /// Which nodes of the work graph a stage waits for.
-enum class StageDependence : std::uint8_t {
+enum class WaitsFor : std::uint8_t {
   kItem,       ///< waits item by item for the launch that fetched the surfaces
   kInspector,  ///< waits for the launch that filled the queues
   kBounce,     ///< waits for queues or base colours, all rays of the bounce, and the previous bounce
@@ -173,7 +173,7 @@ enum StageEffect : std::uint32_t {
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
-  StageDependence waits;
+  WaitsFor waits;
   std::uint32_t effects = 0;
   constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
 };
