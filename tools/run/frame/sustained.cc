@@ -27,6 +27,11 @@ constexpr double kTimeRounding = 1e-9;
 /// True if a sum of frame times reaches `end`, within rounding.
 bool has_reached(double seconds, double end) { return seconds >= end * (1 - kTimeRounding); }
 
+/// Returns the seconds from the begin of a frame to the begin of the next one.
+double frame_period(const SustainFrame& frame, const SustainSetup& setup) {
+  return setup.fps > 0 ? std::max(frame.seconds, 1 / setup.fps) : frame.seconds;
+}
+
 /// Computes means over the current loop of a sustained run.
 class LoopMean {
  public:
@@ -37,15 +42,20 @@ class LoopMean {
     least_factor_ = std::min(least_factor_, factor);
     if (is_frame) frames_ += 1;
   }
-  SustainLoop close(const sim::Temperatures& temperatures) {
-    const SustainLoop loop{frames_ / seconds_, joules_ / seconds_, weighted_factor_ / seconds_, least_factor_,
-                           temperatures};
+  /// Records a frame that takes longer than the period of its target rate.
+  void add_late_frame() { has_late_frame_ = true; }
+  /// Returns the means. `fps`: target rate, which a loop without late frames has exactly; 0: none.
+  SustainLoop close(const sim::Temperatures& temperatures, double fps) {
+    const bool is_at_target = fps > 0 && !has_late_frame_;  // the quotient may be below it by rounding
+    const SustainLoop loop{is_at_target ? fps : frames_ / seconds_, joules_ / seconds_, weighted_factor_ / seconds_,
+                           least_factor_, temperatures};
     *this = {};
     return loop;
   }
 
  private:
   double seconds_ = 0, joules_ = 0, weighted_factor_ = 0, least_factor_ = 1, frames_ = 0;
+  bool has_late_frame_ = false;
 };
 
 /// Simulates a device in which a sequence of frames repeats at the governor's clocks.
@@ -71,8 +81,9 @@ class Device {
     const double leakage = frame.leakage_w * leakage_factor();
     spend(frame.seconds, {frame.dynamic_j / frame.seconds + leakage, frame.memory_j / frame.seconds},
           decays_[step][index], true);
-    const double period = setup_.fps > 0 ? 1 / setup_.fps : 0;
-    if (const double rest = period - frame.seconds; rest > 0) {
+    const double rest = frame_period(frame, setup_) - frame.seconds;
+    if (setup_.fps * frame.seconds > 1) mean_.add_late_frame();
+    if (rest > 0) {
       const double idle = frame.leakage_w * leakage_factor() * setup_.idle_leakage + frame.idle_clock_w;
       spend(rest, {idle, setup_.idle_memory_w}, network_.decay_over(rest), false);
     }
@@ -81,12 +92,12 @@ class Device {
       last_decision_ = result_.seconds;
     }
     const double loop_end = setup_.loop * static_cast<double>(result_.loops.size() + 1);
-    if (has_reached(result_.seconds, loop_end)) result_.loops.push_back(mean_.close(now_));
+    if (has_reached(result_.seconds, loop_end)) result_.loops.push_back(mean_.close(now_, setup_.fps));
     return has_reached(result_.seconds, setup_.seconds);
   }
 
   Sustained finish() && {
-    if (result_.loops.empty()) result_.loops.push_back(mean_.close(now_));
+    if (result_.loops.empty()) result_.loops.push_back(mean_.close(now_, setup_.fps));
     result_.first_fps = result_.loops.front().fps;
     result_.sustained_fps = result_.loops.back().fps;
     return std::move(result_);
@@ -168,7 +179,7 @@ SustainFrame sustain_frame(const RunConfig& config, const sim::EnergyReport& ene
 }
 
 Sustained sustain(const std::vector<SustainStep>& steps, const SustainSetup& setup) {
-  const double shortest = steps.front().frames.front().seconds;
+  const double shortest = frame_period(steps.front().frames.front(), setup);
   if (!(setup.seconds / shortest <= kMostSustainedFrames)) {
     throw sim::InputError(
         fmt::format("thermal.minutes: {:.4g} minutes of frames of {:.3g} s; allowed: at most {:.0e} frames",
@@ -183,7 +194,7 @@ Sustained sustain(const std::vector<SustainStep>& steps, const SustainSetup& set
 std::optional<sim::Temperatures> steady_temperatures(const SustainStep& step, const SustainSetup& setup) {
   double seconds = 0, dynamic_j = 0, leakage_j = 0, memory_j = 0;
   for (const SustainFrame& frame : step.frames) {
-    const double period = setup.fps > 0 ? std::max(frame.seconds, 1 / setup.fps) : frame.seconds;
+    const double period = frame_period(frame, setup);
     const double rest = period - frame.seconds;
     seconds += period;
     dynamic_j += frame.dynamic_j + rest * frame.idle_clock_w;

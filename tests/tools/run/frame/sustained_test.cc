@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/error.h"
+
 // Tests of sustained runs over minutes, on frames made by hand.
 
 namespace tools {
@@ -129,6 +131,34 @@ TEST(Sustain, AtAFrameRateTheRestOfThePeriodIsIdle) {
   const Sustained run = sustain(steps(1, 0, 1), s);
   EXPECT_NEAR(run.sustained_fps, 30, 0.1);
   EXPECT_NEAR(run.energy_j, static_cast<double>(run.frames) * (0.011 + 0.01 * (1.0 / 30 - 0.01)), 1e-6);
+}
+
+TEST(Sustain, HasExactlyTheTargetRateIfEveryFrameFitsItsPeriod) {
+  for (const double fps : {29.97, 30.0, 59.94, 60.0, 90.0, 100.0}) {
+    SustainSetup s = setup(600);
+    s.fps = fps;
+    std::vector<SustainStep> one = steps(0.5, 0, 1);
+    for (const double seconds : {0.0001, 0.01, 1 / fps}) {
+      one.front().frames.front().seconds = seconds;
+      if (fps * seconds > 1) continue;
+      const Sustained run = sustain(one, s);
+      EXPECT_EQ(run.sustained_fps, fps) << seconds;
+      EXPECT_EQ(run.first_fps, fps) << seconds;
+      EXPECT_EQ(run.stability(), 1) << seconds;
+    }
+    one.front().frames.push_back(one.front().frames.front());
+    one.front().frames.back().seconds = 1.01 / fps;
+    EXPECT_LT(sustain(one, s).sustained_fps, fps) << "every second frame is late";
+  }
+}
+
+TEST(Sustain, CountsPeriodsWhenItRefusesALongRun) {
+  SustainSetup s = setup(1.2e7);
+  std::vector<SustainStep> one = steps(0.001, 0, 1);
+  one.front().frames.front().seconds = 1e-3;
+  EXPECT_THROW(sustain(one, s), sim::InputError) << "12,000,000,000 frames";
+  s.fps = 0.01;
+  EXPECT_EQ(sustain(one, s).frames, 120'000U);
 }
 
 TEST(Sustain, OfAConfigurationWithAFrameRateHeatsByItsMeanPower) {
