@@ -185,20 +185,25 @@ constexpr std::size_t kMostShown = 8;
                   shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
 }
 
+/// Returns the rank of a report path among those that end in the same text, 0 for the first.
+std::size_t rank_of(std::string_view path) {
+  if (path.starts_with("frames[")) return 3;
+  if (!path.starts_with("totals.")) return 2;
+  return path.starts_with("totals.at_fps.") ? 1 : 0;  // at_fps.fps is the target, perf.fps the metric
+}
+
 /// The report paths that a text typed by the user can denote: one path, a group, several ambiguous paths, or none.
 struct PathCandidates {
   PathCandidates(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
     const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
-    // matching paths in order of precedence: in `totals`, elsewhere, in `frames`
-    std::array<std::vector<std::string>, 3> ends;
+    std::array<std::vector<std::string>, 4> ends;  // matching paths by rank
     std::vector<std::string> below;
     for (const std::string& path : paths) {
       if (path == text || (path == in_totals && one.empty())) one = path;
       if (is_in_path_group(path, text) || is_in_path_group(path, in_totals)) group.push_back(path);
       if (path.find(inside) != std::string::npos) below.push_back(path);
-      if (!ends_in(path, text)) continue;
-      ends[path.starts_with("totals.") ? 0 : path.starts_with("frames[") ? 2 : 1].push_back(path);
+      if (ends_in(path, text)) ends[rank_of(path)].push_back(path);
     }
     if (!one.empty() || !group.empty()) return;
     const auto first = std::ranges::find_if(ends, [](const auto& candidates) { return !candidates.empty(); });

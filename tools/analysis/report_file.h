@@ -75,9 +75,9 @@ bool is_totals_path(std::string_view path);
 std::string metric_name(std::string_view path);
 
 /// Returns the report path that `text` denotes: `text` itself, "totals." plus `text`, or the only path that ends in
-/// `text` after a dot. Paths in `totals` take precedence over all others, and paths in `frames` come last. A group that
-/// is a band, such as "power_w", denotes its nominal value. Throws InputError with suggestions if `text` is ambiguous,
-/// a group or unknown.
+/// `text` after a dot. Paths in `totals` take precedence over all others, except that those of totals.at_fps, which
+/// repeat metrics at another rate, come after the rest. Paths in `frames` come last. A group that is a band, such as
+/// "power_w", denotes its nominal value. Throws InputError with suggestions if `text` is ambiguous, a group or unknown.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 
 /// Returns all report paths that `text` denotes: one path, or all paths of a group; "units" denotes the sums of

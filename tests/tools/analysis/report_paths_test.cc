@@ -124,6 +124,14 @@ TEST(ReportPath, TotalsWinOverAllElseAndTheirOwnNamesOverThoseBelow) {
   EXPECT_EQ(resolve_report_path("cores", paths()), "config.cores");
 }
 
+TEST(ReportPath, MetricsOfTheRunWinOverThoseAtTheTargetRate) {
+  const std::vector<std::string> rated = {"frames[0].perf.fps", "totals.at_fps.fps",       "totals.at_fps.idle_ms",
+                                          "totals.perf.fps",    "totals.perf.mrays_per_s", "units.core.idle_ms"};
+  EXPECT_EQ(resolve_report_path("fps", rated), "totals.perf.fps");
+  EXPECT_EQ(resolve_report_path("at_fps.fps", rated), "totals.at_fps.fps");
+  EXPECT_EQ(resolve_report_path("idle_ms", rated), "totals.at_fps.idle_ms") << "totals win over all else";
+}
+
 TEST(ReportPath, OneThatMayMeanSeveralIsRefusedWithAllOfThem) {
   const std::string why = complaint("nominal");
   EXPECT_SAYS(why, "'nominal' may mean any of");
