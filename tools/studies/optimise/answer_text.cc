@@ -154,7 +154,8 @@ std::string near_text(const SearchRun& search) {
   return text + (all > near.size() ? fmt::format("and {} more in history.jsonl\n", all - near.size()) : "");
 }
 
-/// Returns a table of a machine's goals on each workload: value, distance to the limit, and whether the limit is met.
+/// Returns a table of a machine's goals on each workload: value, and for a limit of the workload alone the distance to
+/// it and whether it is met.
 std::string workloads_text(const SearchRun& search, const Trial& trial) {
   sim::Table table({"workload", "frames", "goal", "value", "room", "met"});
   const std::vector<WorkloadRun>& runs = trial.best_runs();
@@ -163,7 +164,7 @@ std::string workloads_text(const SearchRun& search, const Trial& trial) {
       const Goal& goal = search.goals()[g];
       if (!runs[w].is_done() || !search.evaluator().needs_workload(goal, w)) continue;
       const double value = runs[w].seen[g].value;
-      const bool has_limit = !goal.is_objective();
+      const bool has_limit = goal.has_limit_per_workload();
       table.add_row({sim::printable(search.workloads()[w]), runs[w].point.tile_sampling.empty() ? "whole" : "sampled",
                      goal.text(), sim::four_digit_text(value), has_limit ? goal.distance_text(value) : "",
                      !has_limit           ? ""
@@ -262,6 +263,7 @@ std::string infeasible_text(const SearchRun& search) {
   const double confidence = search.task().confidence;
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
+    if (!nearest->seen[g]) missed.push_back(fmt::format("no value of {}", goal.metric_text()));
     if (goal.is_objective() || !nearest->compared[g] || goal.is_met(*nearest->compared[g])) continue;
     const double value = *nearest->compared[g];
     missed.push_back(fmt::format("{:.4g}{} where {} is required (room {})", value,

@@ -185,7 +185,7 @@ class Search::Models {
         drawn[i] =
             from_figure_scale(figures[i], each[i].mean + each[i].deviation * normal_draws_[draw][i % kDimensions]);
       }
-      const double value = search_.goals_[goal].combine(drawn);
+      const double value = search_.goals_[goal].combine(drawn).value_or(0);
       sum += value;
       sum2 += value * value;
     }
@@ -551,7 +551,8 @@ std::optional<Estimate> Search::combine_estimates(std::size_t goal,
     means.push_back(figures[f]->mean);
     variance = std::max(variance, figures[f]->deviation * figures[f]->deviation);
   }
-  return Estimate{goals_[goal].combine(means), std::sqrt(variance)};
+  const std::optional<double> mean = goals_[goal].combine(means);
+  return mean ? std::optional(Estimate{*mean, std::sqrt(variance)}) : std::nullopt;
 }
 
 std::vector<std::vector<std::optional<Estimate>>> Search::estimate_figures(std::span<const Choice> points) {

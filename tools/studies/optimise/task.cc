@@ -76,8 +76,12 @@ bool Goal::is_larger_better() const {
   return sweep::is_larger_better_in(set_metric(), is_full ? metric : "totals." + metric, !is_less_better());
 }
 
-double Goal::combine(std::span<const double> values) const {
-  return sweep::fold_workloads(fold, values, is_larger_better()).value_or(0);
+std::optional<double> Goal::combine(std::span<const double> values) const {
+  return sweep::fold_workloads(fold, values, is_larger_better());
+}
+
+bool Goal::has_limit_per_workload() const {
+  return !is_objective() && (fold == sweep::SetMetric::Kind::kOn || applies_to_each_workload());
 }
 
 bool Goal::applies_to_each_workload() const {

@@ -28,8 +28,8 @@ struct Goal {
   std::string metric_text() const;
   /// True if larger values of the metric are better, so that `worst` is the smallest one.
   bool is_larger_better() const;
-  /// Returns the value of the goal from those of its workloads.
-  double combine(std::span<const double> values) const;
+  /// Returns the value of the goal from those of its workloads; nothing if its function has no value.
+  std::optional<double> combine(std::span<const double> values) const;
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
   bool is_less_better() const { return kind == Kind::kMin || is_upper_limit(); }
   bool is_upper_limit() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
@@ -37,6 +37,8 @@ struct Goal {
   bool is_met(double value) const;
   /// True for a constraint that must be met on each workload separately: worst(fps) >= 60, but not worst(fps) < 100.
   bool applies_to_each_workload() const;
+  /// True for a constraint that a workload meets or breaks by its own value.
+  bool has_limit_per_workload() const;
   std::string text() const;
   /// Returns the title of the table column with distances to the limit: "room to < 1.4".
   std::string distance_title() const;
@@ -48,12 +50,12 @@ struct Goal {
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
 
-/// How the points of a search are simulated.
+/// How the machines of a search are simulated.
 enum class Fidelity : std::uint8_t {
   kAuto,     ///< kTiles for large pictures of full:N, else kFull
   kFull,     ///< whole frames
-  kSampled,  ///< approximate first looks by tile sampling, then whole frames of promising points
-  kTiles,    ///< tile sampling, then whole frames of the best point
+  kSampled,  ///< approximate first looks by tile sampling, then whole frames of promising machines
+  kTiles,    ///< tile sampling, then whole frames of the best machine
 };
 constexpr std::array<std::string_view, 4> names_of(Fidelity) { return {"auto", "full", "sampled", "tiles"}; }
 /// Parses the name of a fidelity; returns nothing for other text.

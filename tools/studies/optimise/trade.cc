@@ -92,13 +92,19 @@ std::optional<std::size_t> binding_limit(const SearchRun& search, const Trial& b
 }
 
 std::string binding_workload(const SearchRun& search, const Trial& trial, std::size_t goal) {
-  if (search.workloads().size() == 1) return "";
   const Goal& limit = search.goals()[goal];
+  const bool is_worst = limit.fold == sweep::SetMetric::Kind::kWorst;
+  const bool has_one = limit.has_limit_per_workload() || is_worst;
+  if (search.workloads().size() == 1 || !has_one || sweep::is_metric_of_machine(limit.metric)) return "";
   std::optional<std::size_t> nearest;
   const std::vector<WorkloadRun>& runs = trial.best_runs();
   for (std::size_t w = 0; w < runs.size(); ++w) {
     if (!runs[w].is_done() || !search.evaluator().needs_workload(limit, w)) continue;
-    const auto distance = [&](std::size_t at) { return limit.distance_to_limit(runs[at].seen[goal].value); };
+    const auto distance = [&](std::size_t at) {
+      const double value = runs[at].seen[goal].value;
+      if (is_worst) return limit.is_larger_better() ? value : -value;
+      return limit.distance_to_limit(value);
+    };
     if (!nearest || distance(w) < distance(*nearest)) nearest = w;
   }
   return nearest ? search.workloads()[*nearest] : "";

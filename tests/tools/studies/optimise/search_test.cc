@@ -451,7 +451,7 @@ TEST(Search, CombinesFiguresOfAGoal) {
   using Fold = tools::sweep::SetMetric::Kind;
   const std::vector<double> values = {2, 4, 27};
   const auto combined = [&](Goal::Kind kind, const char* metric, Fold fold) {
-    return Goal{kind, metric, 5, "", fold}.combine(values);
+    return Goal{kind, metric, 5, "", fold}.combine(values).value();
   };
   EXPECT_EQ(combined(Goal::Kind::kMax, "f", Fold::kWorst), 2);
   EXPECT_EQ(combined(Goal::Kind::kMin, "f", Fold::kWorst), 27);
@@ -472,6 +472,17 @@ TEST(Search, ReadsALimitAgainstTheMetricsDirectionAsTheWorstValue) {
   search.add_result({0, 1}, std::vector<double>{5, 110, 200});
   EXPECT_TRUE(search.feasible_scores().contains({0, 0})) << "90 is the worst of both";
   EXPECT_FALSE(search.feasible_scores().contains({0, 1}));
+}
+
+TEST(Search, ComparesAGeometricMeanOfZeroWithItsLimit) {
+  Search::Options options;
+  options.figures = {{0}, {1, 2}};
+  const Goal below{Goal::Kind::kBelow, "g", 1, "", tools::sweep::SetMetric::Kind::kGeomean};
+  Search search({fours(2), [](const Choice&) { return true; }}, {kMin, below}, options);
+  search.add_result({0, 0}, std::vector<double>{5, 0, 200});
+  search.add_result({0, 1}, std::vector<double>{5, -1, 200});
+  EXPECT_TRUE(search.feasible_scores().contains({0, 0}));
+  EXPECT_FALSE(search.feasible_scores().contains({0, 1})) << "there is no geometric mean of negative values";
 }
 
 TEST(Search, PointsWithoutAFigureAreNotFeasible) {

@@ -1,11 +1,13 @@
 #include "tools/studies/sweep/spec/set_metric.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "sim/error.h"
 #include "tests/tools/program.h"
 
 // Metrics of a machine over a set of workloads: parsing, values and noise.
@@ -109,8 +111,17 @@ TEST(SetMetric, OfAMissingWorkloadHasNoValueUnlessAnotherIsNamed) {
   }
   EXPECT_EQ(folded_value("on(chess, fps)", values), 27);
   EXPECT_FALSE(evaluate_set_metric(parse_set_metric("geomean(x)"),
-                                   three_workloads(exact_figure(1), exact_figure(0), exact_figure(2)), true));
+                                   three_workloads(exact_figure(1), exact_figure(-1), exact_figure(2)), true));
   EXPECT_FALSE(evaluate_set_metric(parse_set_metric("worst(x)"), {}, true));
+}
+
+TEST(SetMetric, TheGeometricMeanWithAZeroIsZero) {
+  EXPECT_EQ(folded_value("geomean(x)", three_workloads(exact_figure(1), exact_figure(0), exact_figure(2))), 0);
+  EXPECT_EQ(folded_value("geomean(x)", three_workloads(exact_figure(0), exact_figure(0), exact_figure(0))), 0);
+  EXPECT_EQ(fold_workloads(Kind::kGeomean, std::array{1.0, 0.0, 2.0}, true), 0);
+  EXPECT_EQ(fold_workloads(Kind::kGeomean, std::array{1.0, -1.0}, true), std::nullopt);
+  const auto noisy = three_workloads(measured_figure(100, 2, 4), measured_figure(0, 0, 4), measured_figure(400, 4, 4));
+  EXPECT_EQ(evaluate_set_metric(parse_set_metric("geomean(x)"), noisy, true)->standard_error(), 0);
 }
 
 TEST(SetMetric, DirectionIsThatOfTheMetricOrElseOfTheGoal) {

@@ -129,8 +129,9 @@ MetricEstimate weighted_sum(std::span<const MetricEstimate> estimates, double we
 }
 
 std::optional<MetricEstimate> geomean_estimate(std::vector<MetricEstimate> estimates) {
+  if (std::ranges::any_of(estimates, [](const MetricEstimate& e) { return !(e.value >= 0); })) return std::nullopt;
+  if (std::ranges::find(estimates, 0, &MetricEstimate::value) != estimates.end()) return MetricEstimate{};
   for (MetricEstimate& e : estimates) {
-    if (!(e.value > 0)) return std::nullopt;
     e = {std::log(e.value), e.error / e.value, e.degrees};
   }
   MetricEstimate mean = weighted_sum(estimates, 1 / static_cast<double>(estimates.size()));
@@ -243,7 +244,7 @@ std::optional<double> fold_workloads(SetMetric::Kind kind, std::span<const doubl
   const double weight = 1 / static_cast<double>(values.size());
   double sum = 0;
   for (const double value : values) {
-    if (is_geomean && !(value > 0)) return std::nullopt;
+    if (is_geomean && !(value >= 0)) return std::nullopt;
     sum += weight * (is_geomean ? std::log(value) : value);
   }
   return is_geomean ? std::exp(sum) : sum;

@@ -56,7 +56,8 @@ struct WorkloadValue {
 };
 
 /// Evaluates a metric over all workloads of a machine, with its noise. kEach is evaluated like kWorst. Returns nothing
-/// if a workload that the metric needs has no value, or for the geometric mean of values that are not above 0.
+/// if a workload that the metric needs has no value, or for the geometric mean of a negative value. The geometric mean
+/// is 0 if a value is 0.
 /// 1. Errors of workloads are independent: mean and geomean add their variances, with Welch-Satterthwaite degrees of
 ///    freedom.
 /// 2. Let k workloads be within noise of the worst one. The variance of `worst` is the largest of their variances times
