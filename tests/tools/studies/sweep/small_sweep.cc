@@ -12,7 +12,10 @@ namespace test {
 namespace fs = std::filesystem;
 
 fs::path write_sweep(const TempFolder& folder, const std::string& lines, const std::string& name) {
-  return folder.write(name, "schema: raywatt-sweep/1\nresolution: 16x16\n" + lines);
+  const bool has_sizes = lines.starts_with("resolution:") || lines.find("\nresolution:") != std::string::npos ||
+                         lines.find("resolution: [") != std::string::npos;
+  return folder.write(
+      name, "schema: raywatt-sweep/1\n" + std::string(has_sizes ? "image: no\n" : "resolution: 16x16\n") + lines);
 }
 
 std::vector<tools::sweep::Point> points_of(const std::string& lines) {

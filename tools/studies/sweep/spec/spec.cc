@@ -538,15 +538,21 @@ void check_subset(const Spec& spec) {
                           sim::printable(workload->name), sim::printable(machine->name)));
 }
 
-/// Refuses a scene or a program that an axis sets at every point.
-void check_overridden_keys(const Spec& spec) {
-  for (const char* key : {"scene", "program"}) {
-    const auto given = spec.key_positions.find(key);
-    if (given == spec.key_positions.end()) continue;
-    for (const Axis& axis : spec.axes) {
-      if (std::ranges::find(axis.keys, key) == axis.keys.end()) continue;
-      const bool is_list = axis.name == kWorkloadAxis || spec.key_positions.contains("programs");
-      const std::string by = is_list ? axis.name + "s" : "axes." + sim::printable(axis.name);
+/// Refuses a key of the work, such as the scene, that every value of an axis overrides. `allows_work_axes`: false if
+/// the caller refuses axes that change the workload.
+void check_overridden_keys(const Spec& spec, bool allows_work_axes) {
+  for (const Axis& axis : spec.axes) {
+    const bool is_list = axis.name == kWorkloadAxis && spec.key_positions.contains("workloads");
+    if (!is_list && !allows_work_axes && changes_workload(axis)) continue;
+    for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+      const std::string& key = axis.keys[k];
+      const auto given = spec.key_positions.find(key);
+      const auto overrides = [&](const Axis::Value& value) { return !value.settings[k].empty(); };
+      if (!is_work_key(key) || given == spec.key_positions.end() || !std::ranges::all_of(axis.values, overrides)) {
+        continue;
+      }
+      const bool is_program = key == "program" && spec.key_positions.contains("programs");
+      const std::string by = is_list ? "workloads" : is_program ? "programs" : "axes." + sim::printable(axis.name);
       sim::refuse(
           given->second, key,
           fmt::format("has no effect, because {0} sets it at every point; allowed: {1} or {0}, not both", by, key));
@@ -606,7 +612,7 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
   if (programs) spec.axes.insert(spec.axes.begin(), *std::move(programs));
   if (workloads) spec.axes.insert(spec.axes.begin(), *std::move(workloads));
   check_axes(spec.axes);
-  check_overridden_keys(spec);
+  check_overridden_keys(spec, schema == kSpecSchema);
   if (exclude) spec.exclude = read_conditions(*exclude, spec.axes);
   if (where) spec.where = read_conditions(*where, spec.axes);
   check_subset(spec);
