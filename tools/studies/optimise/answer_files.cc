@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -24,8 +25,9 @@ Json runs_json(const SearchRun& search, const std::vector<WorkloadRun>& runs) {
     json["whole"] = run.point.tile_sampling.empty();
     if (run.is_done()) {
       for (std::size_t g = 0; g < search.goals().size(); ++g) {
-        json["values"].push_back(run.seen[g].value);
-        json["half_widths"].push_back(run.seen[g].half_width());
+        const bool has_value = std::isfinite(run.seen[g].value);
+        json["values"].push_back(has_value ? Json(run.seen[g].value) : Json());
+        json["half_widths"].push_back(has_value ? Json(run.seen[g].half_width()) : Json());
       }
     }
     all.push_back(std::move(json));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -38,21 +39,34 @@ std::string resolve_metric(const Goal& goal, std::span<const std::string> paths,
   }
 }
 
+void Evaluator::resolve_goals(std::size_t workload, const ReportFile& report) {
+  std::vector<std::string> paths;
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    if (is_resolved_[g] || !needs_workload(goals_[g], workload)) continue;
+    if (paths.empty()) {
+      for (const auto& [path, value] : report.numbers) paths.push_back(path);
+    }
+    goals_[g].metric = resolve_metric(goals_[g], paths, workloads_);
+    is_resolved_[g] = true;
+  }
+}
+
 void Evaluator::read_run(WorkloadRun& run, const sweep::Store& store) {
   const std::optional<std::string> bytes = store.read_report(run.point.id);
   if (!bytes) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(run.point.id).string()));
   ReportFile report = parse_report(*bytes, store.folder_of(run.point.id) / "report.json");
   rank_identical_pictures(report);
   run.extrapolations = results::extrapolation_lines(report.json);
-  if (!has_paths_) {
-    std::vector<std::string> paths;
-    for (const auto& [path, value] : report.numbers) paths.push_back(path);
-    for (Goal& goal : goals_) goal.metric = resolve_metric(goal, paths, workloads_);
-    has_paths_ = true;
-  }
+  resolve_goals(run.workload, report);
   std::optional<TableDraws> draws;
   for (const Goal& goal : goals_) {
-    if (!report.has(goal.metric) || !std::isfinite(report.number(goal.metric))) {
+    const bool has_value = report.has(goal.metric) && std::isfinite(report.number(goal.metric));
+    if (!has_value && !needs_workload(goal, run.workload)) {
+      run.seen.push_back({.value = std::numeric_limits<double>::quiet_NaN()});
+      run.compared.push_back(run.seen.back().value);
+      continue;
+    }
+    if (!has_value) {
       run.status = PointStatus::kFailed;
       run.error = fmt::format("its report has no {}", goal.metric);
       run.seen.clear();

@@ -19,13 +19,16 @@ using sweep::PointStatus;
 
 /// The simulation of a machine on one workload.
 struct WorkloadRun {
-  sweep::Point point;
+  std::size_t workload = 0;  ///< index
+  sweep::Point point{};
   PointStatus status = PointStatus::kMissing;  ///< kMissing: not simulated
-  std::vector<MeasuredMetric> seen;            ///< by goal: value of the goal's metric on this workload, with its noise
+  /// By goal: value of the goal's metric on this workload, with its noise; NaN if neither the goal needs the workload
+  /// nor the report has the metric.
+  std::vector<MeasuredMetric> seen{};
   /// By goal: the value that is compared with the limit. If the task requires a confidence, it is a quantile of `seen`.
-  std::vector<double> compared;
-  std::string error;                        ///< reason that there are no metrics
-  std::vector<std::string> extrapolations;  ///< warnings of the report about extrapolated metrics
+  std::vector<double> compared{};
+  std::string error{};                        ///< reason that there are no metrics
+  std::vector<std::string> extrapolations{};  ///< warnings of the report about extrapolated metrics
 
   bool is_done() const { return sweep::is_done(status) && !seen.empty(); }
 };
@@ -78,14 +81,18 @@ class Evaluator {
  public:
   /// `workloads`: names of the workloads, at least one.
   Evaluator(std::vector<Goal> goals, std::vector<std::string> workloads, double confidence, std::string file)
-      : goals_(std::move(goals)), workloads_(std::move(workloads)), confidence_(confidence), file_(std::move(file)) {}
+      : goals_(std::move(goals)),
+        workloads_(std::move(workloads)),
+        confidence_(confidence),
+        file_(std::move(file)),
+        is_resolved_(goals_.size()) {}
 
   /// The goals. All their metrics are full report paths after the first report is read.
   const std::vector<Goal>& goals() const { return goals_; }
   const std::vector<std::string>& workloads() const { return workloads_; }
 
-  /// Reads the goals' metrics from the report of a finished run. A missing metric sets the run's status to kFailed. At
-  /// the first report, a metric that no report has throws InputError.
+  /// Reads the goals' metrics from the report of a finished run. A missing metric that the goal needs of this workload
+  /// sets the run's status to kFailed; in the first report that the goal needs it throws InputError.
   void read_run(WorkloadRun& run, const sweep::Store& store);
   /// True if the value of a goal depends on this workload.
   bool needs_workload(const Goal& goal, std::size_t workload) const;
@@ -100,13 +107,15 @@ class Evaluator {
   LimitProbabilities limit_probabilities_of(const Trial& trial, const sweep::Store& store) const;
 
  private:
+  /// Gives goals that need this workload the full paths of their metrics. Throws InputError for a missing metric.
+  void resolve_goals(std::size_t workload, const ReportFile& report);
   std::vector<sweep::WorkloadValue> values_of(const std::vector<WorkloadRun>& runs, std::size_t goal) const;
 
   std::vector<Goal> goals_;
   const std::vector<std::string> workloads_;
   const double confidence_;
   const std::string file_;
-  bool has_paths_ = false;
+  std::vector<bool> is_resolved_;  ///< by goal: its metric is a full path of a report
 };
 
 }  // namespace tools::optimise

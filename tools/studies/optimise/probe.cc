@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "sim/error.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/run.h"
 
@@ -14,6 +15,20 @@ constexpr std::uint32_t kProbeSide = 32;  // pixels
 constexpr double kProbeMinutes = 0.001;   // of a sustained run
 constexpr std::array<std::string_view, 7> kGroupsOfScenes = {
     "kernels", "sampling", "sampled", "sliced", "bottleneck", "dram_bytes_by_client", "frames"};
+
+bool is_in_group_of_scenes(std::string_view path) {
+  const std::string name = metric_name(path);
+  return std::ranges::find(kGroupsOfScenes, name.substr(0, name.find_first_of(".["))) != kGroupsOfScenes.end();
+}
+
+/// True if the text denotes a report path, several, or a group of them.
+bool is_known_path(std::string_view text, std::span<const std::string> paths) {
+  try {
+    return !report_path_group(text, paths).empty();
+  } catch (const sim::InputError&) {
+    return true;  // it is ambiguous
+  }
+}
 
 }  // namespace
 
@@ -37,9 +52,14 @@ std::vector<std::string> probe_report_paths(RunConfig config, JobOptions options
   return paths;
 }
 
-bool depends_on_scene(const std::string& path) {
-  const std::string name = metric_name(path);
-  return std::ranges::find(kGroupsOfScenes, name.substr(0, name.find_first_of(".["))) != kGroupsOfScenes.end();
+bool may_depend_on_scene(std::string_view text, std::span<const std::string> paths) {
+  if (is_in_group_of_scenes(text)) return true;
+  if (is_known_path(text, paths)) return false;
+  const std::size_t dot = text.rfind('.');
+  if (dot == std::string_view::npos || text.starts_with("totals.")) return false;
+  const std::string_view end = text.substr(dot);  // ".items", as of all kernels
+  return std::ranges::any_of(
+      paths, [&](const std::string& path) { return is_in_group_of_scenes(path) && path.ends_with(end); });
 }
 
 }  // namespace tools::optimise

@@ -117,6 +117,7 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
     starts_.emplace(names_of(config.frame.start).at(static_cast<std::size_t>(config.frame.start)));
     resolutions_.push_back(fmt::format("{}x{}", render.width, render.height));
     const bool is_large = double{1} * render.width * render.height >= kLargePicture;
+    has_small_picture_ = has_small_picture_ || !is_large;
     tiled_.push_back(task_.fidelity == Fidelity::kTiles ||
                      (task_.fidelity == Fidelity::kAuto && is_large && may_sample(task_.space)));
   }
@@ -128,25 +129,30 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
   }
 }
 
+/// Returns the report paths of a machine by probe_report_paths(); none if it cannot be simulated.
+std::vector<std::string> SearchRun::probe_machine(const Choice& machine) {
+  const Point point = planner_.make_point(choice_on_workload(machine, 0), "");
+  if (!point.error.empty()) return {};
+  try {
+    return probe_report_paths(keys_.config_of(point), point.run_options());
+  } catch (const sim::InputError&) {  // the simulations report what is wrong with the machine
+    return {};
+  } catch (const sim::Deadlock&) {
+    return {};
+  }
+}
+
 /// Gives the goals full report paths, which a tiny picture shows, and returns them. Leaves metrics that depend on the
 /// scene, and all metrics if the machines at the ends of the space cannot be simulated.
 std::vector<Goal> SearchRun::resolve_goals() {
   Choice machine;
   for (const AxisShape& axis : make_space().axes) machine.push_back(axis.values - 1);
-  Point point = planner_.make_point(choice_on_workload(machine, 0), "");
-  if (!point.error.empty()) point = planner_.make_point(choice_on_workload(Choice(machine.size(), 0), 0), "");
-  if (!point.error.empty()) return task_.goals;
-  std::vector<std::string> paths;
-  try {
-    paths = probe_report_paths(keys_.config_of(point), point.run_options());
-  } catch (const sim::InputError&) {  // the simulations report what is wrong with the machines
-    return task_.goals;
-  } catch (const sim::Deadlock&) {
-    return task_.goals;
-  }
+  std::vector<std::string> paths = probe_machine(machine);
+  if (paths.empty()) paths = probe_machine(Choice(machine.size(), 0));
+  if (paths.empty()) return task_.goals;
   const std::vector<std::string> workloads = workload_names(task_);
   for (Goal& goal : task_.goals) {
-    if (!depends_on_scene(goal.metric)) goal.metric = resolve_metric(goal, paths, workloads);
+    if (!may_depend_on_scene(goal.metric, paths)) goal.metric = resolve_metric(goal, paths, workloads);
   }
   return task_.goals;
 }
@@ -219,6 +225,12 @@ std::string SearchRun::tile_sampling_of(const Point& point, std::size_t workload
 }
 
 std::string SearchRun::fidelity_text() const {
+  return frames_text() + (has_small_picture_ ? "\nwarning: pictures below a million pixels do not stand for full HD "
+                                               "(docs/frame-rate.md)"
+                                             : "");
+}
+
+std::string SearchRun::frames_text() const {
   std::vector<std::string> sizes = resolutions_;
   std::ranges::sort(sizes);
   sizes.erase(std::ranges::unique(sizes).begin(), sizes.end());
@@ -242,7 +254,7 @@ Trial SearchRun::make_trial(const Choice& choice, bool is_first_look) {
   trial.batch = batches_;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
     const Choice here = choice_on_workload(choice, w);
-    WorkloadRun run;
+    WorkloadRun run{.workload = w};
     run.point = planner_.make_point(here, is_first_look ? task_.sampling : "");
     const std::string sampling = is_first_look ? "" : tile_sampling_of(run.point, w);
     if (!sampling.empty()) run.point = planner_.make_point(here, sampling);
@@ -343,7 +355,7 @@ MetricValues SearchRun::figure_values(const std::vector<WorkloadRun>& runs, std:
   errors.assign(figure_count_, 0);
   for (std::size_t g = 0; g < figures_.size(); ++g) {
     for (std::size_t w = 0; w < runs.size(); ++w) {
-      if (!runs[w].is_done()) continue;
+      if (!runs[w].is_done() || !evaluator_.needs_workload(goals()[g], w)) continue;
       values[figures_[g][w]] = runs[w].compared[g];
       errors[figures_[g][w]] = runs[w].seen[g].standard_error();
       are_assumed = are_assumed || runs[w].seen[g].assumed > 0;
@@ -453,7 +465,7 @@ bool SearchRun::simulate_whole(const Trial& sampled, const Machines& with) {
   Trial& trial = trials_[index];
   std::vector<WorkloadRun> whole;
   for (std::size_t w = 0; w < workloads().size(); ++w) {
-    WorkloadRun& run = whole.emplace_back();
+    WorkloadRun& run = whole.emplace_back(WorkloadRun{.workload = w});
     run.point = planner_.make_point(choice_on_workload(trial.choice, w), "");
     if (run.point.id == trial.runs[w].point.id) run = trial.runs[w];  // its frames were simulated whole already
   }

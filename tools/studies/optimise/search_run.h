@@ -25,8 +25,9 @@ struct Neighbour {
   const Trial* trial = nullptr;                    ///< result of its simulation; null if not simulated
 };
 
-/// Runs a search: simulates the machines that Search proposes and returns the results to it. Same task, seed and
-/// results give the same search, so that an interrupted one continues from the simulations in the store.
+/// Runs a search: simulates the machines that Search proposes (a run is the simulation of a machine on one workload)
+/// and returns the results to it. Same task, seed and results give the same search, so that an interrupted one
+/// continues from the simulations in the store.
 ///
 /// 1. A machine is simulated on one workload after the other, first on those that ruled out most machines. After a
 ///    workload that breaks a limit by more than the noise, the others are skipped.
@@ -43,9 +44,9 @@ class SearchRun {
   SearchRun& operator=(const SearchRun&) = delete;
 
   struct Hooks {
-    /// Called before points are simulated, with all points of the search including these.
+    /// Called before runs are simulated, with the points of all runs of the search including these.
     std::function<void(const std::vector<sweep::Point>& points)> announce;
-    sweep::Launcher::PointWatch watch;  ///< called when a point of a batch has ended
+    sweep::Launcher::PointWatch watch;  ///< called when a run of a batch has ended
   };
   /// Runs the search until its budget is spent. Returns false if interrupted. Throws InputError for a metric that
   /// reports do not have.
@@ -68,9 +69,10 @@ class SearchRun {
   const std::vector<Goal>& goals() const { return evaluator_.goals(); }
   const std::vector<std::string>& workloads() const { return evaluator_.workloads(); }
   const Task& task() const { return task_; }
-  /// Returns the points of all simulations; those of first looks only if `with_looks`.
+  /// Returns the points of all runs; those of first looks only if `with_looks`.
   std::vector<sweep::Point> points(bool with_looks) const;
-  /// Describes how points are simulated: "tile sampling of 5 % at 1920x1080", "whole frames of 512x256".
+  /// Describes how machines are simulated: "tile sampling of 5 % at 1920x1080", "whole frames of 512x256".
+  /// A second line warns of small pictures.
   std::string fidelity_text() const;
   /// True if the frames of some workload are simulated by sampled tiles only.
   bool is_tiled() const { return std::ranges::find(tiled_, true) != tiled_.end(); }
@@ -85,12 +87,14 @@ class SearchRun {
     const sweep::Store& store;
     const Hooks& hooks;
   };
+  std::string frames_text() const;
+  std::vector<std::string> probe_machine(const Choice& machine);
   std::vector<Goal> resolve_goals();
   Space make_space() const;
   Search::Options make_search_options();
   double exact_area(const Choice& choice, double quantile);
   Choice choice_on_workload(const Choice& machine, std::size_t workload) const;
-  /// Returns the tile sampling with which a point is simulated; empty for whole frames.
+  /// Returns the tile sampling with which a run is simulated; empty for whole frames.
   std::string tile_sampling_of(const sweep::Point& point, std::size_t workload);
   Trial make_trial(const Choice& choice, bool is_first_look);
   std::vector<std::size_t> workload_order() const;
@@ -122,6 +126,7 @@ class SearchRun {
   sweep::PointKeys keys_;
   Evaluator evaluator_;
   std::vector<bool> tiled_;                        ///< by workload: true if frames are simulated by sampled tiles
+  bool has_small_picture_ = false;                 ///< a workload's picture has fewer pixels than kLargePicture
   std::vector<std::string> resolutions_;           ///< by workload
   std::set<std::string> starts_;                   ///< values of frame.start
   std::vector<std::vector<std::size_t>> figures_;  ///< by goal, then workload: index of the figure in `search_`

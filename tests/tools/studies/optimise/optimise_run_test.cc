@@ -496,7 +496,9 @@ TEST_F(Optimise, SamplesLargePicturesByItself) {
       "tile sampling of 5% at 1920x1080, warm start where that is quicker; whole frames of the best; never a smaller "
       "picture");
   const tools::optimise::SearchRun small(tools::optimise::read_task(folder_of / "optimise-cores.yaml"), folder_of);
-  EXPECT_EQ(small.fidelity_text(), "whole frames of 512x256, warm start");
+  EXPECT_EQ(small.fidelity_text(),
+            "whole frames of 512x256, warm start\n"
+            "warning: pictures below a million pixels do not stand for full HD (docs/frame-rate.md)");
 }
 
 TEST_F(Optimise, TakesTheSustainedFrameRateAsObjectiveAndConstraint) {

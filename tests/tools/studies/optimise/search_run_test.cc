@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/config/yaml_tree.h"
+#include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/report/area.h"
 #include "tests/tools/program.h"
@@ -28,6 +29,8 @@ using Json = nlohmann::json;
 /// Results of a machine: by its number of cores, and whether its frame was sampled.
 struct Figures {
   double margin = 1, power_w = 1;
+  double teapot_margin = 0;  ///< margin on the teapot; 0: as on other scenes
+  int teapot_items = 0;      ///< items of a kernel that only the teapot has; 0: its report lacks the kernel
 };
 using Model = std::function<Figures(int cores, bool sampled)>;
 
@@ -61,6 +64,7 @@ class ModelLauncher : public tools::sweep::Launcher {
   Json report_of(const Point& point) {
     const bool is_sampled = !point.tile_sampling.empty();
     const Figures figures = model_(cores_of(point.axes), is_sampled);
+    const bool is_teapot = point.scene == "teapot" && figures.teapot_margin > 0;
     const tools::RunConfig& config = keys_.config_of(point);
     const double area =
         sim::compute_area(tools::idle_unit_reports(*config.gpu, false), config.energy, config.area).total.nominal;
@@ -69,8 +73,11 @@ class ModelLauncher : public tools::sweep::Launcher {
                    {"totals",
                     {{"cycles", 100},
                      {"area_mm2", area},
-                     {"fps_margin", figures.margin},
+                     {"fps_margin", is_teapot ? figures.teapot_margin : figures.margin},
                      {"power_at_fps_w", {{"low", 1}, {"nominal", figures.power_w}, {"high", 3}}}}}};
+    if (point.scene == "teapot" && figures.teapot_items != 0) {
+      report["totals"]["kernels"]["shade_x"]["items"] = figures.teapot_items;
+    }
     const Json interval = {{"estimate", 100}, {"low", 98}, {"high", 102}};
     if (is_sampled) report["totals"]["sampled"] = {{"cycles", interval}, {"energy_mj", interval}};
     return report;
@@ -159,6 +166,26 @@ TEST_F(SearchOfModel, OffersNoWiderLimitForAMachineThatBreaksTwo) {
   }
 }
 
+TEST_F(SearchOfModel, NamesTheWorkloadOfALimitThatHasOne) {
+  // A margin of 2 on cornell, and of 1 on teapot.
+  const std::vector<std::pair<std::string, std::string>> limits = {
+      {"worst(fps_margin) < 3", "teapot"}, {"mean(fps_margin) < 3", ""},  {"geomean(fps_margin) > 0.5", ""},
+      {"fps_margin > 0.5", "teapot"},      {"fps_margin < 3", "cornell"}, {"on(cornell, fps_margin) > 0.5", "cornell"},
+      {"area_mm2 < 1000000", ""}};
+  for (const auto& [limit, workload] : limits) {
+    SCOPED_TRACE(limit);
+    SearchRun search(task_of("workloads: [cornell, teapot]\naxes: {cores: [3, 4]}\nobjectives: [min: area_mm2]\n"
+                             "fidelity: full\nbudget: 4\nconstraints: ['" +
+                             limit + "']\n"),
+                     folder.path());
+    ASSERT_EQ(run(search, [](int, bool) { return Figures{2, 1, 1}; }), (std::vector<int>{3}));
+    EXPECT_EQ(binding_workload(search, *search.pareto_front().front(), 1), workload);
+    const Answer answer{.search = search};
+    const bool has_one = limit.starts_with("fps") || limit.starts_with("on") || limit.starts_with("area");
+    EXPECT_EQ(answer_text(answer).find(" yes") != std::string::npos, has_one) << answer_text(answer);
+  }
+}
+
 TEST_F(SearchOfModel, NamesTheLimitThatANeighbourMissesByConfidenceAlone) {
   SearchRun search(task_of("axes: {cores: [3, 4]}\nobjectives: [min: area_mm2]\nconstraints: [fps_margin >= 1]\n"
                            "fidelity: full\nconfidence: 0.9\nbudget: 4\n"),
@@ -174,13 +201,37 @@ TEST_F(SearchOfModel, NamesTheLimitThatANeighbourMissesByConfidenceAlone) {
 
 TEST_F(SearchOfModel, KnowsFullPathsAndDirectionsBeforeTheFirstSimulation) {
   const SearchRun search(task_of("workloads: [cornell, teapot]\naxes: {cores: [3, 4]}\nobjectives: [min: area_mm2]\n"
-                                 "constraints: [worst(perf.fps) < 100, kernels.shade_diffuse.cycles < 9]\nbudget: 4\n"),
+                                 "constraints: [worst(fps) < 100, kernels.shade_diffuse.cycles < 9]\nbudget: 4\n"),
                          folder.path());
   EXPECT_EQ(search.goals()[0].metric, "totals.area_mm2");
   EXPECT_EQ(search.goals()[1].metric, "totals.perf.fps");
   EXPECT_TRUE(search.goals()[1].is_larger_better()) << "the direction of the metric, not of its limit";
   EXPECT_FALSE(search.goals()[1].applies_to_each_workload());
   EXPECT_EQ(search.goals()[2].metric, "kernels.shade_diffuse.cycles") << "scenes decide which kernels there are";
+}
+
+TEST_F(SearchOfModel, FailsOnlyTheRunsThatLackAMetricOfTheirWorkload) {
+  SearchRun search(task_of("workloads: [cornell, teapot]\naxes: {cores: [3, 4]}\nfidelity: full\nbudget: 4\n"
+                           "objectives: [min: 'on(teapot, power_at_fps_w)']\n"
+                           "constraints: ['on(teapot, shade_x.items) > 5']\n"),
+                   folder.path());
+  EXPECT_EQ(search.goals()[1].metric, "shade_x.items") << "scenes decide which kernels there are";
+  const std::vector<int> best = run(
+      search, [](int cores, bool) { return Figures{.margin = 1, .power_w = 1, .teapot_items = cores == 3 ? 10 : 0}; });
+  EXPECT_EQ(best, (std::vector<int>{3}));
+  EXPECT_EQ(search.goals()[1].metric, "totals.kernels.shade_x.items");
+  for (const Trial& trial : search.trials()) {
+    if (cores_of(trial.axes) != 4) continue;
+    EXPECT_EQ(trial.status, PointStatus::kFailed);
+    EXPECT_EQ(trial.error, "teapot: its report has no totals.kernels.shade_x.items");
+  }
+}
+
+TEST_F(SearchOfModel, RefusesAMetricThatNoReportOfItsWorkloadHas) {
+  SearchRun search(
+      task_of("axes: {cores: [3, 4]}\nfidelity: full\nbudget: 4\nobjectives: [min: kernels.none.cycles]\n"),
+      folder.path());
+  EXPECT_THROW(run(search, [](int, bool) { return Figures{}; }), sim::InputError);
 }
 
 TEST_F(SearchOfModel, SimulatesEveryMachineOnRequest) {
