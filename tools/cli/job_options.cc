@@ -73,7 +73,7 @@ void add_fps_option(CLI::App& verb, std::vector<std::string>& sets) {
   require_positive(*verb.add_option_function<std::string>(
                             "--fps", [&sets](const std::string& fps) { sets.push_back("frame.fps=" + fps); },
                             "target frame rate: also report power_at_fps_w, fps_margin and the clocks that suffice\n"
-                            "(docs/frame-rate.md)")
+                            "(docs/frame-rate.md); with thermal.minutes no frame begins earlier")
                         ->type_name("NUMBER"));
 }
 

@@ -14,6 +14,21 @@
 #include "tools/run/frame/machine_run.h"
 
 namespace tools {
+namespace {
+
+/// Removes a number or a group from a report's totals.
+void remove_total(ReportFile& report, const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  std::string group = dot == std::string::npos ? "" : "/" + name.substr(0, dot);
+  std::ranges::replace(group, '.', '/');
+  const sim::JsonPointer at("/totals" + group);
+  if (report.json.contains(at)) report.json[at].erase(name.substr(dot + 1));
+  const std::string path = "totals." + name;
+  std::erase_if(report.numbers,
+                [&](const auto& number) { return number.first == path || number.first.starts_with(path + "."); });
+}
+
+}  // namespace
 
 FrameRate evaluate_report_rate(const ReportFile& report, double fps) {
   const PricedRun run(report);
@@ -38,13 +53,14 @@ void set_frame_rate(ReportFile& report, double fps) {
   sim::Json rated = frame_rate_json(evaluate_report_rate(report, fps));
   for (ReportNumber& number : report_numbers({{"totals", rated}}))
     report.numbers[std::move(number.path)] = number.value;
-  if (const sim::JsonPointer figures("/totals/replicates/figures"); report.json.contains(figures)) {
-    for (const char* metric : {"fps_margin", "power_at_fps_w"}) report.json[figures].erase(metric);
+  std::vector<std::string> stale = {"replicates.figures.fps_margin", "replicates.figures.power_at_fps_w"};
+  if (report.number("config.frame.fps") != fps) {
+    for (const char* metric : {"sustained_fps", "stability", "sustained"}) {
+      stale.push_back(metric);
+      stale.push_back(fmt::format("replicates.figures.{}", metric));
+    }
   }
-  std::erase_if(report.numbers, [](const auto& number) {
-    return number.first.starts_with("totals.replicates.figures.fps_margin") ||
-           number.first.starts_with("totals.replicates.figures.power_at_fps_w");
-  });
+  for (const std::string& metric : stale) remove_total(report, metric);
   report.json["totals"].update(rated);
 }
 

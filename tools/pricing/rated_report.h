@@ -9,7 +9,8 @@ namespace tools {
 FrameRate evaluate_report_rate(const ReportFile& report, double fps);
 
 /// Sets at_fps, power_at_fps_w and fps_margin in a report's totals to the values of a run with frame.fps = `fps`.
-/// Removes their statistics over replicates. Throws InputError like evaluate_report_rate().
+/// Removes their statistics over replicates, and metrics of a sustained run at another rate. Throws InputError like
+/// evaluate_report_rate().
 void set_frame_rate(ReportFile& report, double fps);
 
 }  // namespace tools

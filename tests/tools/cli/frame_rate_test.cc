@@ -2,6 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/analysis/report_file.h"
+#include "tools/pricing/rated_report.h"
 
 // Tests of target frame rates in runs, finished runs, sweeps and searches.
 
@@ -47,6 +49,20 @@ TEST_F(TargetRate, OfAFinishedRunIsThatOfTheRun) {
     EXPECT_NEAR(priced["priced"]["power_at_fps_w"][side], with["power_at_fps_w"][side], 1e-12) << side;
   }
   EXPECT_FALSE(priced["own"].contains("power_at_fps_w"));
+}
+
+TEST_F(TargetRate, OfAFinishedRunDropsSustainedMetricsOfAnotherRate) {
+  totals_of(rated, {"--fps", "200", "--set", "thermal.minutes=0.1"});
+  for (const double fps : {200.0, 100.0}) {
+    tools::ReportFile report = tools::load_report(rated);
+    tools::set_frame_rate(report, fps);
+    EXPECT_EQ(report.number("totals.at_fps.fps"), fps);
+    for (const char* name : {"sustained_fps", "stability", "sustained"}) {
+      EXPECT_EQ(report.json["totals"].contains(name), fps == 200) << name << " at " << fps;
+    }
+    EXPECT_EQ(report.has("totals.sustained_fps"), fps == 200);
+    EXPECT_EQ(report.has("totals.sustained.energy_j"), fps == 200);
+  }
 }
 
 TEST_F(TargetRate, HasStatisticsOfReplicates) {

@@ -61,7 +61,7 @@ struct FrameConfig {
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.start), "", "caches at the start of a frame: empty, or as the previous frame left them", sim::any(),
           sim::Affects::kTiming);
-    field(NAMED(c.fps), "frames/s", "target frame rate of power_at_fps_w and fps_margin; 0: none",
+    field(NAMED(c.fps), "frames/s", "target frame rate: of power_at_fps_w, fps_margin and sustained runs; 0: none",
           sim::between(0, 100000), sim::Affects::kEnergy);
   }
 };
