@@ -117,14 +117,19 @@ SetRow evaluate_row(std::string name, const SetMetric& metric, const MatchedRuns
   return row;
 }
 
-/// Evaluates a metric that the user named. Throws InputError for an unknown path or workload.
-SetRows requested_rows(const std::string& text, const std::vector<std::string>& paths, const MatchedRuns& matched) {
+/// Evaluates a metric that the user named. One that is also a main metric has its name. Throws InputError for an
+/// unknown path or workload.
+SetRows requested_rows(const std::string& text, const std::vector<std::string>& paths, const MatchedRuns& matched,
+                       const std::vector<SetRows>& main_metrics) {
   SetMetric metric = sweep::parse_set_metric(text);
   sweep::check_workload(metric, matched.workloads);
   metric.path = resolve_report_path(metric.path, paths);
   const std::string name = metric_name(metric.path);
-  SetRows rows{name, name, {}};
-  if (metric.kind == SetMetric::Kind::kEach) {
+  const auto main = std::ranges::find(main_metrics, name, &SetRows::label);
+  SetRows rows{main == main_metrics.end() ? name : main->name, name, {}};
+  if (sweep::is_metric_of_machine(metric.path)) {
+    rows.rows.push_back(evaluate_row("all", {SetMetric::Kind::kOn, metric.path, matched.workloads.front()}, matched));
+  } else if (metric.kind == SetMetric::Kind::kEach) {
     for (const std::string& workload : matched.workloads)
       rows.rows.push_back(evaluate_row(workload, {SetMetric::Kind::kOn, metric.path, workload}, matched));
   } else {
@@ -242,7 +247,7 @@ SetComparison compare_sets(const RunSet& a, const RunSet& b, std::span<const std
     out.metrics.push_back(std::move(rows));
   }
   const std::vector<std::string> paths = requested.empty() ? std::vector<std::string>() : all_paths(a, b);
-  for (const std::string& text : requested) out.requested.push_back(requested_rows(text, paths, matched));
+  for (const std::string& text : requested) out.requested.push_back(requested_rows(text, paths, matched, out.metrics));
   return out;
 }
 
@@ -252,15 +257,16 @@ std::string set_comparison_text(std::span<const RunSet> sets, std::span<const Se
     const SetComparison& c = against[i];
     out += fmt::format("{}{} against {}, {} workloads\n\n{}", i == 0 ? "" : "\n", sets[i + 1].name, sets[0].name,
                        c.workloads.size(), rows_text(c, sets[0].name, sets[i + 1].name));
-    bool assumed = false, measured = false;
+    bool assumed = false, measured = false, has_worst = false;
     for (const SetRows& metric : c.requested.empty() ? c.metrics : c.requested) {
       for (const SetRow& row : metric.rows) {
+        has_worst = has_worst || row.workload == "worst";
         if (row.noise) (row.noise->measured ? measured : assumed) = true;
       }
     }
     if (measured) out += "noise: differences of the means of replicates, 95 % intervals\n";
     if (assumed) out += "noise: assumed for this size of picture; --replicates 5 measures it\n";
-    out += "worst is the lowest value of a metric that is better when high, else the highest\n";
+    if (has_worst) out += "worst is the lowest value of a metric that is better when high, else the highest\n";
     out += fmt::format("\n{} against {}: {}", sets[i + 1].name, sets[0].name, config_text(c.config));
     const std::vector<const ReportFile*> of_b = match_runs(sets[0], sets[i + 1]);
     out += "\nexplained by\n";

@@ -25,7 +25,8 @@ RunSet load_run_set(const std::filesystem::path& folder);
 
 /// A metric of two run sets (`a`, `b`) on one workload, or an aggregate over all workloads.
 struct SetRow {
-  std::string workload;  ///< name of the workload, "mean", "geomean" or "worst"
+  std::string
+      workload;  ///< name of the workload, "mean", "geomean", "worst", or "all" for a metric of the machine alone
   std::optional<double> a, b;
   std::optional<NoisyDifference> noise{};
 };
