@@ -93,6 +93,25 @@ TEST_F(SweepStreams, OfABatchAreRecordedOnceAndRemovedAfterwards) {
   EXPECT_TRUE(names_in(store.root() / "streams").empty());
 }
 
+TEST_F(SweepStreams, AreRecordedForSampledTilesIfThatIsQuicker) {
+  using tools::sweep::is_record_quicker;
+  EXPECT_FALSE(is_record_quicker(4, 0.06)) << "chess, measured";
+  EXPECT_TRUE(is_record_quicker(9, 0.06));
+  EXPECT_FALSE(is_record_quicker(1, 1));
+  EXPECT_TRUE(is_record_quicker(2, 0.6));
+  const auto is_recorded = [&](const std::string& size, const std::string& axes) {
+    const std::vector<Point> points = points_of("scene: teapot\nresolution: " + size + "\naxes: " + axes +
+                                                "\nsets: [render.tile=8]\ntile_sampling: 1%\n");
+    const auto launcher = make_local_launcher(store, {.jobs = 1, .threads = 1});
+    bool was_there = false;
+    launcher->run(points,
+                  [&](std::size_t p, PointStatus) { was_there |= fs::exists(store.stream_file(points[p].stream)); });
+    return was_there;
+  };
+  EXPECT_TRUE(is_recorded("192x192", "{tni.trvs: [1, 2]}")) << "of few tiles, most are sampled";
+  EXPECT_FALSE(is_recorded("640x640", "{tni.trvs: [1, 2]}"));
+}
+
 TEST_F(SweepStreams, ALauncherTakesBatchAfterBatch) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
   const auto launcher = make_local_launcher(store, {.jobs = 2, .threads = 1});

@@ -70,6 +70,10 @@ class Launcher {
   class CutBatch;
 };
 
+/// True if it is quicker to record the whole frame once for `points` points with sampled tiles than to render the
+/// samples of each. `share`: share of the frame that a point samples. Every point renders a pilot of the frame, too.
+bool is_record_quicker(std::size_t points, double share);
+
 /// Options of make_local_launcher().
 struct LocalOptions {
   std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
