@@ -54,11 +54,11 @@ function addVerdict(data, points, done, view) {
 function addLimits(data, points, done, view) {
   if (!data.has_constraints) return;
   const feasible = points.filter((p) => p.constraints === "met").length;
-  view.facts.push({ name: "Feasible", value: `${feasible} of ${done.length} machines` });
-  view.data.limits = dataset([["constraint", "constraint"], ["met", "machines that meet it", "number"], ["best", "best machine", "number"], ["interval", "95 %"], ["room", "room to the limit"]], data.limits);
+  view.facts.push({ name: "Feasible", value: `${feasible} of ${done.length} ${data.noun}s` });
+  view.data.limits = dataset([["constraint", "constraint"], ["met", `${data.noun}s that meet it`, "number"], ["best", `best ${data.noun}`, "number"], ["interval", "95 %"], ["room", "room to the limit"]], data.limits);
   view.sections.push(section("limits", "Limits",
-    `${feasible} of ${done.length} machines meet all constraints. Room is the distance of the best machine from a limit, as a share of the limit.`,
-    table("limits-table", "Constraints, and the best machine's room", "limits")));
+    `${feasible} of ${done.length} ${data.noun}s meet all constraints. Room is the distance of the best ${data.noun} from a limit, as a share of the limit.`,
+    table("limits-table", `Constraints, and the best ${data.noun}'s room`, "limits")));
 }
 
 function addPoints(data, view) {
