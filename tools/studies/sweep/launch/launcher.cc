@@ -293,9 +293,13 @@ class LocalLauncher final : public Launcher {
     /// True if `count` points that replay the same rays take less time with a record of these.
     bool is_worth_recording(const Point& point, std::size_t count) {
       if (point.tile_sampling.empty()) return count >= 2;
-      const TileSampling sampling = parse_tile_sampling(point.tile_sampling, "none");
-      const kernels::ProgramSpec program = kernels::parse_program(point.program);
-      return is_record_quicker(count, simulated_share(keys_.config_of(point), program, sampling));
+      try {
+        const TileSampling sampling = parse_tile_sampling(point.tile_sampling, "none");
+        const kernels::ProgramSpec program = kernels::parse_program(point.program);
+        return is_record_quicker(count, simulated_share(keys_.config_of(point), program, sampling));
+      } catch (const sim::InputError&) {  // its worker reports what is wrong with the point
+        return false;
+      }
     }
 
     /// If the point must record its rays (its stream) for others, marks the stream as being recorded and returns true.
