@@ -125,8 +125,8 @@ SetRows requested_rows(const std::string& text, const std::vector<std::string>& 
   sweep::check_workload(metric, matched.workloads);
   metric.path = resolve_report_path(metric.path, paths);
   const std::string name = metric_name(metric.path);
-  const auto main = std::ranges::find(main_metrics, name, &SetRows::label);
-  SetRows rows{main == main_metrics.end() ? name : main->name, name, {}};
+  const auto known = std::ranges::find(main_metrics, name, &SetRows::label);
+  SetRows rows{known == main_metrics.end() ? name : known->name, name, {}};
   if (sweep::is_metric_of_machine(metric.path)) {
     rows.rows.push_back(evaluate_row("all", {SetMetric::Kind::kOn, metric.path, matched.workloads.front()}, matched));
   } else if (metric.kind == SetMetric::Kind::kEach) {
