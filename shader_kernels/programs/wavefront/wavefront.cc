@@ -16,9 +16,8 @@ using Node = TileGraph::Node;
 
 namespace {
 
-/// A shadow ray is dropped if its light is below this fraction of the key render.min_weight. By default that is one
-/// step of a dark 8-bit sRGB channel. Paths end at render.min_weight itself, which is larger, because a sample has few
-/// paths, while a picture may have many dark surfaces.
+/// A shadow ray is dropped if its light is below this fraction of the key render.min_weight, by default one step of a
+/// dark 8-bit sRGB channel. Paths end at render.min_weight itself: a sample has fewer paths than shadow rays.
 constexpr float kLeastLight = 0x1p-5F;
 
 }  // namespace
