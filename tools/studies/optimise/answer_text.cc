@@ -184,8 +184,12 @@ std::string probabilities_text(const Answer& answer) {
     if (!goal.is_objective()) each.push_back(fmt::format("{}: {:.0f} %", goal.text(), 100 * answer.odds->met[g]));
   }
   if (each.empty()) return "";
-  return fmt::format("\nprobability by the noise and the bands of energy and area: {}; all: {:.0f} %\n",
-                     fmt::join(each, ", "), 100 * answer.odds->all);
+  const std::vector<std::optional<MeasuredMetric>>& seen = answer.best()->seen;
+  const bool is_assumed =
+      std::ranges::any_of(seen, [](const auto& metric) { return metric && !metric->draws && metric->assumed > 0; });
+  return fmt::format("\nprobability by the noise and the bands of energy and area: {}; all: {:.0f} %\n{}",
+                     fmt::join(each, ", "), 100 * answer.odds->all,
+                     is_assumed ? "noise is assumed; set `replicates:` in the search file to measure it\n" : "");
 }
 
 std::string trades_text(const Answer& answer) {

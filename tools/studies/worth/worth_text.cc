@@ -257,7 +257,7 @@ std::string worth_sentence(const Answer& answer) {
   const Band share = saved_share(*without, *with, minimises(answer));
   const std::string context = context_text(*with);
   if (std::abs(share.nominal) < kNothing) {
-    return fmt::format("{} changes nothing{}: {} of {} with and without it.", capital(feature), context, value(*with),
+    return fmt::format("{} saves nothing in this space{}: {} of {} with and without it.", capital(feature), context, value(*with),
                        metric.words);
   }
   const bool is_good = share.nominal > 0;

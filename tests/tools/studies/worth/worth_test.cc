@@ -152,7 +152,7 @@ TEST(Worth, IsSaidInOneSentence) {
             "Adaptive sampling costs 5 mm2 of die area (33 %, band 25 to 67 %) at 60 frames/s on chess (512x256): 20 "
             "mm2 with it, "
             "15 mm2 without.");
-  EXPECT_SAYS(worth_sentence(answer_of(large, large)), "changes nothing");
+  EXPECT_SAYS(worth_sentence(answer_of(large, large)), "saves nothing in this space");
   EXPECT_SAYS(worth_sentence(answer_of({}, large)), "Only with adaptive sampling");
   EXPECT_SAYS(worth_sentence(answer_of(large, {})), "With adaptive sampling no machine meets");
   EXPECT_SAYS(worth_sentence(answer_of({}, {})), "No machine of either space");
