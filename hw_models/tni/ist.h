@@ -118,8 +118,7 @@ class Ist {
   std::uint64_t issuable_slot_mask() const;
   CycleReason issue_tests(std::uint64_t cycle);
   CycleReason issue_test(std::uint64_t ready_slots, std::uint64_t cycle);
-  /// Does what issue_test() does, if records are not in the order of their numbers. A record may have several
-  /// triangles.
+  /// Does what issue_test() does, for records with several triangles or in another order than the triangles' numbers.
   CycleReason issue_record_test(std::uint64_t ready_slots, std::uint64_t cycle);
   CycleReason handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   void complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
@@ -134,8 +133,8 @@ class Ist {
   const bool reorders_;  ///< miss handling is `reorder` and the L1 is not ideal
   /// Cycles from the fetch of a triangle to the result of its test, by the phase (1 to 3) with which the test ends.
   const std::array<std::uint32_t, 4> known_after_;
-  const bool has_records_;             ///< records of triangles are not in the order of their numbers
-  std::uint64_t decoder_free_at_ = 0;  ///< cycle in which the decoder of blocks is free
+  const bool has_records_;             ///< records have several triangles or another order than the triangles
+  std::uint64_t decoder_free_at_ = 0;  ///< first cycle in which the block decoder is free again
   sim::Time line_at_ = sim::kNever;    ///< time at which the next line from memory arrives
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;

@@ -9,7 +9,8 @@
 
 namespace hw {
 
-/// The stack of a ray whose entries are nodes, not children (stack_push: node), in wide trees.
+/// A ray's stack for wide trees (stack_push: node). Each entry is a node with its unvisited children, not a single
+/// child.
 ///
 ///   visit with h hits: enter the first child, push {node, order of the other h - 1}
 ///   pop: take the next child of the youngest entry; the entry leaves the stack with its last child
@@ -28,7 +29,7 @@ class NodeStack {
   void enter_instance(std::uint32_t instance) { instance_ = instance; }
   /// Takes the next child of the youngest entry. Returns its link, or none if the short stack is empty.
   std::optional<std::uint32_t> pop(const TreeInMemory& tree, StackStats& stats);
-  /// Takes the next child as pop() does, at the end of a restart, which has just tested its node.
+  /// Takes the next child at the end of a restart, which has just tested the node of the youngest entry.
   std::uint32_t take_child(const TreeInMemory& tree);
 
   /// Plans the visits of a restart and refills the short stack as these visits will.
@@ -37,14 +38,15 @@ class NodeStack {
  private:
   struct Entry {
     StackEntryOrigin origin;
-    std::uint32_t slots = 0;  ///< slots of the remaining children in visiting order, the next one lowest
-    std::uint32_t left = 0;   ///< number of remaining children
+    std::uint32_t slots =
+        0;  ///< slot numbers of the remaining children in visiting order, the next child in the lowest bits
+    std::uint32_t left = 0;  ///< number of remaining children
   };
 
   std::vector<Entry> entries_;
   std::uint32_t resident_ = 0;              ///< number of youngest entries that are in the short stack
   std::uint32_t instance_ = traces::kNone;  ///< instance in whose tree the ray is
-  std::uint32_t parent_ = 0;                ///< node with the child that the ray visits or has visited last
+  std::uint32_t parent_ = 0;                ///< parent of the node that the ray visits or visited last
 };
 
 }  // namespace hw

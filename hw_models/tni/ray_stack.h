@@ -23,7 +23,7 @@ struct StackRules {
   StackScheme scheme = StackScheme::kFull;
   std::uint32_t capacity = ~std::uint32_t{0};  ///< entries of a ray's short stack
 
-  /// True if the last repeated visit of a restart continues at its next hit child without a pop.
+  /// True if a restart ends at the next hit child of the node it tested last; false if it ends with a pop.
   bool continues_without_pop() const { return scheme == StackScheme::kRestartTrail || scheme == StackScheme::kParent; }
 };
 

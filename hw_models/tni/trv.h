@@ -83,8 +83,10 @@ class Trv {
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kStarved, sim::idle_reason("starved", "no ray inside")},
       {CycleReason::kVisiting,
-       sim::working_reason("visiting",
-                           "a node visit, one line of it, or a transform into an instance entered the box pipe")},
+       sim::working_reason(
+           "visiting",
+           "a node visit, one of its lines, or a transform into an instance entered the box pipe, or a wide "
+           "visit occupied it")},
       {CycleReason::kL1Miss, sim::waiting_reason("l1_miss", "rays wait for node lines, or this cycle's probe missed")},
       {CycleReason::kMshrFull, sim::waiting_reason("mshr_full", "rays wait for a free MSHR")},
       {CycleReason::kIst, sim::waiting_reason("ist", "rays wait for the intersection unit")},

@@ -43,6 +43,20 @@ void fill_recorded_bvh(const traces::TileScope& scope, const traces::BvhConfig& 
   if (has_two_levels && config.instances == traces::InstanceLevels::kFlatten) {
     throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
   }
+  const std::uint32_t stored_slots = scope.links.is_wide() ? scope.links.slots : 0;
+  const std::uint32_t slots = !config.is_wide()                            ? 0
+                              : config.format == traces::NodeFormat::kCw80 ? traces::kMaxWidth
+                                                                           : config.width;
+  if (stored_slots != slots) {
+    throw sim::InputError(
+        fmt::format("has a tree with {} slots per wide node, and bvh.width and bvh.format mean {} (0: "
+                    "binary)",
+                    stored_slots, slots));
+  }
+  const bool has_records = !scope.links.begins_record.empty();
+  if (scope.counts.triangles != 0 && has_records == (config.leaf == traces::LeafFormat::kTriangles)) {
+    throw sim::InputError("has leaf records that bvh.leaf does not describe");
+  }
   image = {};
   for (const auto& children : scope.links.nodes) std::ranges::copy(children, image.nodes.emplace_back().child);
   for (const auto& children : scope.links.wide_nodes) {

@@ -48,7 +48,7 @@ std::vector<std::uint32_t> set_nodes(FlatBvh&& bvh, const BvhConfig& config, Mem
   std::vector<std::uint32_t> order = std::move(bvh.order);
   if (config.is_wide()) {
     bvh.order = std::move(order);
-    WideBvh wide = collapse_tree(bvh, config, most_merged_triangles(config));
+    WideBvh wide = collapse_tree(bvh, config, max_triangles_of_merged_leaf(config));
     image.wide_nodes = std::move(wide.nodes);
     image.wide_format = config.node_format();
     image.width = config.width;

@@ -72,8 +72,8 @@ struct Nothing {
 };
 
 /// The traversal of the BVH by one ray. `kSlots`: the slots of a wide node that can have a child, or 0 for a binary
-/// tree. `kLevels`: the BVH has two levels.
-template <class Lanes, bool kAnyHit, bool kLevels, std::uint32_t kSlots, class Record>
+/// tree. `kTwoLevels`: the BVH has two levels.
+template <class Lanes, bool kAnyHit, bool kTwoLevels, std::uint32_t kSlots, class Record>
 class Walk {
   static constexpr bool kWide = kSlots != 0;
   using Boxes = std::conditional_t<kWide, RayWideBoxes<BoxLanes<Lanes, kSlots>>, RayBoxes<Lanes>>;
@@ -94,7 +94,7 @@ class Walk {
     std::uint32_t link = 0;
     do {
       record_.make_room();
-      if (kLevels && is_instance(link)) {
+      if (kTwoLevels && is_instance(link)) {
         link = enter_instance(link_instance(link));
       } else if (is_leaf(link)) {
         if (enter_leaf(link)) break;
@@ -105,7 +105,7 @@ class Walk {
     } while (link != kNoChild);
     record_.write_word(end_step(hit_.is_hit()));
     if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].hit_flags();
-    return kLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
+    return kTwoLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
   }
 
  private:
@@ -229,7 +229,7 @@ class Walk {
       ++culled;
     }
     if (culled != 0) record_.write_word(cull_step(culled));
-    if constexpr (kLevels) {
+    if constexpr (kTwoLevels) {
       if (depth_ < floor_) {  // the entry was pushed before the ray entered the instance
         boxes_ = world_;
         instance_ = kNone;
@@ -298,13 +298,13 @@ class Walk {
     const float weight_u = std::clamp(u[lane] / sum[lane], 0.0F, 1.0F);
     hit_ = {t[lane], weight_u, std::clamp(v[lane] / sum[lane], 0.0F, 1 - weight_u), triangle};
     limit_ = hit_.t;
-    if constexpr (kLevels) hit_instance_ = instance_;
+    if constexpr (kTwoLevels) hit_instance_ = instance_;
   }
 
   /// True if a hit of `triangle` is ignored: it is as far away as the current hit, whose triangle has the lower
   /// `source`.
   bool loses_tie(std::uint32_t triangle) const {
-    if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
+    if (kTwoLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;
   }
 
@@ -314,7 +314,7 @@ class Walk {
   Boxes boxes_;
   RayTriangles<Lanes> triangles_;
   /// The ray in world space, stored because `boxes_` may have the ray in the space of an instance.
-  [[no_unique_address]] const std::conditional_t<kLevels, Boxes, Nothing> world_;
+  [[no_unique_address]] const std::conditional_t<kTwoLevels, Boxes, Nothing> world_;
   std::uint32_t instance_ = kNone;  ///< instance into whose space the ray is transformed, or kNone
   std::uint32_t hit_instance_ = kNone;
   std::size_t floor_ = 0;       ///< number of stack entries when the ray entered the instance
@@ -323,18 +323,18 @@ class Walk {
   float limit_;  ///< end of the ray: t_max, or the distance of the hit found so far
   Hit hit_;
   std::size_t depth_ = 0;
-  std::array<Entry, (kLevels ? 2 : 1) * (kWide ? kWideStackSize : kStackSize)> stack_;
+  std::array<Entry, (kTwoLevels ? 2 : 1) * (kWide ? kWideStackSize : kStackSize)> stack_;
 };
 
-template <class Lanes, bool kAnyHit, bool kLevels, std::uint32_t kSlots, class Record>
+template <class Lanes, bool kAnyHit, bool kTwoLevels, std::uint32_t kSlots, class Record>
 void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, Record&& record) {
   const bool is_single_sided = image.has_single_sided();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     record.begin_ray();
     record.make_room();
-    hits[i] =
-        Walk<Lanes, kAnyHit, kLevels, kSlots, std::remove_reference_t<Record>>(image, is_single_sided, rays[i], record)
-            .run();
+    hits[i] = Walk<Lanes, kAnyHit, kTwoLevels, kSlots, std::remove_reference_t<Record>>(image, is_single_sided, rays[i],
+                                                                                        record)
+                  .run();
   }
 }
 

@@ -177,9 +177,9 @@ struct Layout {
   // array; otherwise empty. In q8 all three arrays begin at `nodes`, because each node is followed by its leaves.
   std::vector<std::uint32_t> node_places, triangle_places, instance_places;
   std::uint32_t triangle_bytes = sizeof(TriangleRecord);  ///< size of a leaf record
-  bool separate_labels = false;                           ///< labels are not in the leaf records
-  std::uint64_t leaf_bytes = 0;                           ///< bytes of all leaf records, without labels
-  std::uint64_t tree_bytes = 0;                           ///< bytes of all nodes, instances and leaf records
+  bool separate_labels = false;  ///< label words of triangles are in an array, not in leaf records
+  std::uint64_t leaf_bytes = 0;  ///< bytes of all leaf records, without labels
+  std::uint64_t tree_bytes = 0;  ///< bytes of all nodes, instances and leaf records
   /// Address of the triangles' label words, if they are stored apart from the vertices.
   std::uint64_t labels = 0;
   struct TextureAt {

@@ -109,7 +109,10 @@ void TraceReader::read_table_of_contents() {
   for (const Json& tree : contents.at("trees")) {
     Tree& read =
         trees_.emplace_back(range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts")));
-    if (tree.contains("slots")) read.slots = static_cast<std::uint32_t>(number_at(tree, "slots", kMaxWidth));
+    if (tree.contains("slots")) {
+      read.slots = static_cast<std::uint32_t>(number_at(tree, "slots", kMaxWidth));
+      if (read.slots == 0 || read.slots % 2 != 0) throw sim::InputError("tree: number of slots; allowed: 2, 4, 6, 8");
+    }
     if (tree.contains("leaf_records")) read.leaf_records = range_of(tree.at("leaf_records"));
   }
   for (Json& json : contents.at("parts")) {

@@ -59,6 +59,9 @@ class Decoder {
       for (std::uint32_t& link : links_.children_of(node)) link = decode_child(node);
       if (links_.is_wide()) check_children(node);
     }
+    if (links_.is_wide() && leaf_triangles_ != counts_.triangles) {
+      throw sim::InputError("tree: its leaves have not as many triangles as the scene");
+    }
     if (trees_.size() != counts_.trees) throw sim::InputError("tree: has not as many trees as it says");
     read_instances();
     if (from_.bytes_left() != 0) throw sim::InputError("tree: is longer than its nodes");
@@ -103,7 +106,10 @@ class Decoder {
     const std::uint64_t first = end + ((moved >> 1) ^ (~(moved & 1) + 1));
     if (first > all || count > all - first || count > most) ByteReader::throw_out_of_range("tree: a leaf");
     end = first + count;
-    if (!enters) return leaf_link(static_cast<std::uint32_t>(first), count);
+    if (!enters) {
+      leaf_triangles_ += count;
+      return leaf_link(static_cast<std::uint32_t>(first), count);
+    }
     if (seen_[first]) throw sim::InputError("tree: an instance is there twice");
     seen_[first] = true;
     return instance_link(static_cast<std::uint32_t>(first));
@@ -131,6 +137,7 @@ class Decoder {
   std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances found in it
   std::vector<std::uint32_t> trees_;   ///< roots of the trees below the tree over instances
   std::uint64_t triangles_end_ = 0, instances_end_ = 0;
+  std::uint64_t leaf_triangles_ = 0;  ///< triangles of all leaves read
 };
 
 }  // namespace

@@ -52,6 +52,7 @@ std::vector<bool> decode_records(std::string_view bytes, std::uint64_t triangles
 /// 3. With instances, it is a tree over instances with `counts.trees` trees below. Each leaf has one instance, no
 ///    instance appears twice, and each tree below belongs to an instance.
 /// 4. Every node but a root has two children or more.
+/// 5. The leaves of a wide tree have as many triangles as the scene.
 ///
 /// `slots`: number of slots of each node of a wide tree, or 0 for a binary tree.
 Links decode_child_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts,

@@ -47,6 +47,18 @@ TEST(TreeLinks, AreRestoredAndMustBeATree) {
   EXPECT_EQ(decode_child_links(encode_child_links({deep, {}}), deep.size(), within(1)).nodes, deep);
 }
 
+TEST(TreeLinks, OfAWideTreeHaveEachTriangleOfTheScene) {
+  Links wide;
+  wide.slots = 4;
+  wide.wide_nodes.assign(1, {});
+  wide.wide_nodes[0].fill(kNoChild);
+  wide.wide_nodes[0][0] = leaf_link(0, 2);
+  wide.wide_nodes[0][3] = leaf_link(2, 3);
+  const std::string bytes = encode_child_links(wide);
+  EXPECT_EQ(decode_child_links(bytes, 1, {.triangles = 5, .textures = {}}, 4).wide_nodes, wide.wide_nodes);
+  EXPECT_THROW(decode_child_links(bytes, 1, {.triangles = 6, .textures = {}}, 4), sim::InputError);
+}
+
 TEST(TreeLinks, OfTwoLevelsAreRestoredAndMustHaveTreesOfInstancesAndTriangles) {
   for (const Scene& scene : {scattered(80), scattered(1), Scene{}}) {
     const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}, 1);

@@ -3,9 +3,10 @@
     raywatt sweep run tree-formats -o out/trees
     python3 tree_charts.py out/trees trees-energy.svg trees-time.svg
 
-Values are of T&I units with eight box testers, relative to the binary tree with floats. A shadow or occlusion ray's
-energy and time are the difference between frames with and without these rays. Lines are geometric means over the scenes,
-bands span all scenes. Cells begin with `# %%`, so Jupyter and editors can also open this file as a notebook.
+Values are of T&I units with eight box testers, relative to the binary tree with floats. Energy is that of T&I units,
+L2, interconnect and memory. A shadow or occlusion ray's energy and time are the difference between frames with and
+without these rays. Lines are geometric means over the scenes, bands span all scenes. Cells begin with `# %%`, so Jupyter
+and editors can also open this file as a notebook.
 """
 # %% Energy and time of primary, shadow and occlusion rays, relative to the binary tree
 import sys
@@ -16,12 +17,15 @@ import raywatt
 
 folder, energy_chart, time_chart = (sys.argv[1:] if len(sys.argv) == 4
                                     else ("out/trees", "trees-energy.svg", "trees-time.svg"))
-COSTS = {"energy": "totals.energy_by_block_mj.tni.nominal", "time": "totals.cycles"}
+COSTS = {"energy": "energy", "time": "totals.cycles"}
+BLOCKS = ["tni", "l2", "interconnect", "dram"]  # parts of the machine that read the tree
 FORMATS = {"float boxes": ["2 fp32", "4 fp32", "8 fp32"], "8-bit boxes": ["4 q8", "6 q8", "8 q8"],
-           "8-bit boxes, pairs of triangles": ["8 q8 pairs"], "12-bit boxes, blocks of triangles": ["8 q12 blocks"],
+           "8-bit boxes, pairs of triangles": ["8 q8 pairs"], "12-bit boxes, blocks of triangles": ["8 q12 full blocks"],
            "CWBVH": ["8 cw80"]}
 points = raywatt.load_sweep(folder)
 points = points[points["tni.trv.box_testers"].astype(int) == 8]
+parts = [f"totals.energy_by_block_mj.{block}.nominal" for block in BLOCKS]
+points["energy"] = points[parts].astype(float).sum(axis=1)
 frames = points.set_index(["workload", "tree", "rays"])[list(COSTS.values())].astype(float)
 costs = frames.unstack("rays")
 by_kind = {"primary": costs.xs("primary", axis=1, level="rays")}
@@ -57,7 +61,7 @@ def draw(cost, label, picture):
     drawing.savefig(picture, metadata={"Date": None})
 
 
-draw("energy", "T&I energy, relative to width 2", energy_chart)
+draw("energy", "energy of T&I units, L2 and memory,\nrelative to width 2", energy_chart)
 draw("time", "frame time, relative to width 2", time_chart)
 
 # %% Most frugal and fastest tree of each scene and kind of ray

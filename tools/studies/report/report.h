@@ -44,7 +44,7 @@ bool is_sweep(const std::filesystem::path& folder);
 ///   name, question; goals: texts of a search
 ///   axes            [{field, levels}], levels in ascending order
 ///   metrics         [{field, name, show, unit, more}]; more: more is better
-///   noun            "point", or "machine" for a set of workloads: its rows in `points` are machines
+///   noun            "machine" for a search or a set of workloads, whose rows in `points` are machines; otherwise "point"
 ///   workloads       {names, figures: [{name, show, unit, fields}]}: metrics on each workload; null without a set
 ///   points          [[n, status, axes..., metrics..., is_eligible, error, command], ...]
 ///   has_constraints, limits: [[constraint, met, best value, its 95 % interval, room], ...]

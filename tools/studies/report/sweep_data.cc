@@ -144,7 +144,7 @@ class Sweep {
     return {{"name", sim::printable(fs::absolute(folder_ / "x").parent_path().filename().string(), kLongestText)},
             {"question", sim::printable(task_ ? task_->space.question : question_in(folder_), kLongestText)},
             {"goals", std::move(texts)},
-            {"noun", rows_.noun()},
+            {"noun", noun()},
             {"workloads", workloads_json()},
             {"axes", axes_json()},
             {"metrics", metrics_json()},
@@ -160,6 +160,8 @@ class Sweep {
   }
 
  private:
+  /// Returns what a row is: a machine in searches and for several workloads, otherwise a point of the sweep.
+  const char* noun() const { return task_ ? "machine" : rows_.noun(); }
   const std::vector<optimise::Goal>& goals() const {
     static const std::vector<optimise::Goal> kNone;
     return task_ ? task_->goals : kNone;
@@ -401,9 +403,9 @@ class Sweep {
     if (!noise.is_noisy() || candidates.size() < 2) return {};
     const std::size_t ties = results::find_ties(noise, metric.more_is_better, candidates, best).size();
     return fmt::format("; {} with it ({})",
-                       ties == 0   ? fmt::format("no {} ties", rows_.noun())
-                       : ties == 1 ? fmt::format("1 {} ties", rows_.noun())
-                                   : fmt::format("{} {}s tie", ties, rows_.noun()),
+                       ties == 0   ? fmt::format("no {} ties", noun())
+                       : ties == 1 ? fmt::format("1 {} ties", noun())
+                                   : fmt::format("{} {}s tie", ties, noun()),
                        noise.describe());
   }
   /// Returns the initial scatter plot: two metrics, their Pareto front, and the points within noise of the front. A

@@ -29,13 +29,16 @@ struct Tree {
   Sets sets;
 };
 
-/// Returns the trees to compare. Each leaf size is the largest that the formats of nodes and leaves can store.
+/// Returns the trees to compare. bvh.leaf_size is the most triangles of a leaf; the SAH usually makes smaller leaves.
 std::vector<Tree> wide_trees() {
   return {{"4 children", {"bvh.width=4"}},
           {"8 children", {"bvh.width=8"}},
           {"4 children, q8", {"bvh.width=4", "bvh.format=q8"}},
-          {"8 children, q8, pairs", {"bvh.width=8", "bvh.format=q8", "bvh.leaf=pair64", "bvh.leaf_size=2"}},
-          {"8 children, q12, blocks", {"bvh.width=8", "bvh.format=q12", "bvh.leaf=block128"}},
+          {"8 children, q8, pairs", {"bvh.width=8", "bvh.format=q8", "bvh.leaf=pair64"}},
+          {"8 children, q12, blocks", {"bvh.width=8", "bvh.format=q12", "bvh.leaf=block128", "bvh.leaf_size=8"}},
+          {"8 children, q12, full blocks",
+           {"bvh.width=8", "bvh.format=q12", "bvh.leaf=block128", "bvh.leaf_size=8", "bvh.collapse=sah",
+            "bvh.collapse_cost=bytes"}},
           {"8 children, cw80, octants", {"bvh.width=8", "bvh.format=cw80", "bvh.order=octant", "bvh.leaf_size=3"}}};
 }
 
@@ -44,9 +47,8 @@ Sets four_testers() { return {"tni.trv.box_testers=4", "tni.trv.stack=full"}; }
 
 Case tree_case(const View& view, const std::string& setting, const RayMix& rays, const Sets& run, const Sets& reference,
                bool quick) {
-  Case c = case_of_full_1(view, fmt::format("{}, {}", setting, rays.name), join_sets(rays.sets, run),
-                          join_sets(rays.sets, reference), quick);
-  return c;
+  return case_of_full_1(view, fmt::format("{}, {}", setting, rays.name), join_sets(rays.sets, run),
+                        join_sets(rays.sets, reference), quick);
 }
 
 /// Adds cases that compare each tree with the binary tree: energy, time, area, visits and traffic.

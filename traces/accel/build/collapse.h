@@ -25,7 +25,7 @@ struct WideBvh {
 WideBvh collapse_tree(const FlatBvh& binary, const BvhConfig& config, std::uint32_t most_merged);
 
 /// Returns the most triangles of a leaf that Collapse::kSah may form from a subtree of triangles.
-constexpr std::uint32_t most_merged_triangles(const BvhConfig& config) { return config.leaf_size; }
+constexpr std::uint32_t max_triangles_of_merged_leaf(const BvhConfig& config) { return config.leaf_size; }
 
 /// Returns the bytes of the records of a leaf with `triangles` triangles, if no leaf record is shared better than
 /// average; the collapse's estimate of a leaf's size.

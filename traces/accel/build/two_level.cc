@@ -163,7 +163,7 @@ void add_tree(const BvhBuilder& builder, const BvhConfig& config, ObjectTree& tr
   FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
   tree.first_node = static_cast<std::uint32_t>(image.node_count());
   if (config.is_wide()) {
-    WideBvh wide = collapse_tree(bvh, config, most_merged_triangles(config));
+    WideBvh wide = collapse_tree(bvh, config, max_triangles_of_merged_leaf(config));
     bvh.order = std::move(wide.order);
     if (is_quantised(image.wide_format)) quantise_nodes(wide.nodes, image.wide_format);
     append_nodes(wide.nodes, tree, image.wide_nodes);
@@ -211,7 +211,8 @@ void name_instances(std::vector<Node>& top, const std::vector<std::uint32_t>& or
 void replace_top(const std::vector<WideNode>& top, MemoryImage& image) {
   std::vector<WideNode>& nodes = image.wide_nodes;
   const std::size_t before = image.trees.empty() ? nodes.size() : image.trees.front().first_node;
-  const auto moved = static_cast<std::uint32_t>(top.size() - before);  // modulo 2^32
+  const auto moved =
+      static_cast<std::uint32_t>(top.size() - before);  // `top` may be smaller: links are added modulo 2^32
   nodes.erase(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(before));
   for (WideNode& node : nodes) {
     for (std::uint32_t& link : node.child) {
