@@ -126,7 +126,7 @@ TEST(BadConfig, AFolder) {
 
 TEST(BadConfig, AnUnknownNameGetsTheNearestOneAndTheList) {
   const TempFolder folder;
-  expect_config_refused(folder, "sgrt-2061", {"'sgrt-2061'", "did you mean 'sgrt-2016'?", "known: sgrt-2016"});
+  expect_config_refused(folder, "sgrt-2061", {"'sgrt-2061'", "did you mean 'sgrt-2016'?", "known: ", "sgrt-2016"});
   expect_config_refused(folder, std::string(5000, 'a'), {"no configuration is called 'aaa"});
 }
 
