@@ -3,7 +3,7 @@
     raywatt sweep run tree-formats -o out/trees
     python3 tree_charts.py out/trees trees-energy.svg trees-time.svg
 
-Values are of T&I units with eight box testers, relative to the binary tree with floats. Energy is that of T&I units,
+Values are of T&I units with four box testers, relative to the binary tree with floats. Energy is that of T&I units,
 L2, interconnect and memory. A shadow or occlusion ray's energy and time are the difference between frames with and
 without these rays. Lines are geometric means over the scenes, bands span all scenes. Cells begin with `# %%`, so Jupyter
 and editors can also open this file as a notebook.
@@ -23,7 +23,7 @@ FORMATS = {"float boxes": ["2 fp32", "4 fp32", "8 fp32"], "8-bit boxes": ["4 q8"
            "8-bit boxes, pairs of triangles": ["8 q8 pairs"], "12-bit boxes, blocks of triangles": ["8 q12 full blocks"],
            "CWBVH": ["8 cw80"]}
 points = raywatt.load_sweep(folder)
-points = points[points["tni.trv.box_testers"].astype(int) == 8]
+points = points[points["tni.trv.box_testers"].astype(int) == 4]
 parts = [f"totals.energy_by_block_mj.{block}.nominal" for block in BLOCKS]
 points["energy"] = points[parts].astype(float).sum(axis=1)
 frames = points.set_index(["workload", "tree", "rays"])[list(COSTS.values())].astype(float)
