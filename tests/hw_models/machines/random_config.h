@@ -10,8 +10,8 @@ namespace hw::test {
 /// with random ranks and controller. A random value that violates a rule between fields is not used.
 GpuConfig random_config(std::uint64_t seed);
 
-/// Returns a random machine as random_config(), but for wide trees: with up to eight box testers, any stack and several
-/// intersection units.
+/// Returns a random machine for wide trees, determined by `seed`: random_config() with up to eight box testers, any
+/// stack and several intersection units.
 GpuConfig random_wide_config(std::uint64_t seed);
 
 /// Returns a random machine near the default, determined by `seed`. Each number is half to double its default, and

@@ -19,21 +19,25 @@ struct SweepStreams : testing::Test {
   std::string report_in(const Store& where, const Point& point) {
     return comparable(nlohmann::json::parse(where.read_report(point.id).value())).dump();
   }
+  /// Records the work of the first point, and expects that all points have the reports of points without a record.
+  void expect_equal_reports_from_record(const std::vector<Point>& points) {
+    PointComputer sharing(store, 1), alone(other, 1);
+    EXPECT_EQ(sharing.compute_point(points[0], {.record = true}), PointStatus::kComputed);
+    EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream)));
+    for (const Point& point : points) {
+      EXPECT_EQ(point.stream, points[0].stream);
+      sharing.compute_point(point, {});
+      alone.compute_point(point, {});
+      EXPECT_EQ(report_in(store, point), report_in(other, point));
+    }
+  }
 };
 
 TEST_F(SweepStreams, APlayedPointIsTheComputedOne) {
   const std::vector<Point> points =
       points_of("axes: {cores: [1, 2], tni.trv.stack_entries: [4, 8]}\nframes: 0:1\nreference: full:4\n");
   ASSERT_EQ(points.size(), 4U);
-  PointComputer sharing(store, 1), alone(other, 1);
-  EXPECT_EQ(sharing.compute_point(points[0], {.record = true}), PointStatus::kComputed);
-  EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream)));
-  for (const Point& point : points) {
-    EXPECT_EQ(point.stream, points[0].stream);
-    sharing.compute_point(point, {});
-    alone.compute_point(point, {});
-    EXPECT_EQ(report_in(store, point), report_in(other, point));
-  }
+  expect_equal_reports_from_record(points);
   EXPECT_LT(nlohmann::json::parse(*store.read_report(points[1].id))["host"]["load_s"], 1e-2) << "without its scene";
 }
 
@@ -57,15 +61,7 @@ TEST_F(SweepStreams, SampledTilesOfARecordAreThoseOfTheRenderedFrame) {
       "4]]}}\n"
       "sets: [render.tile=8, frame.start=warm]\ntile_sampling: 5%\n");
   ASSERT_EQ(points.size(), 3U);
-  PointComputer sharing(store, 1), alone(other, 1);
-  EXPECT_EQ(sharing.compute_point(points[0], {.record = true}), PointStatus::kComputed);
-  EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream)));
-  for (const Point& point : points) {
-    EXPECT_EQ(point.stream, points[0].stream);
-    sharing.compute_point(point, {});
-    alone.compute_point(point, {});
-    EXPECT_EQ(report_in(store, point), report_in(other, point));
-  }
+  expect_equal_reports_from_record(points);
   const auto sampled = nlohmann::json::parse(report_in(store, points[1]))["totals"]["sampled"];
   EXPECT_LT(sampled["timed"].get<int>(), 0.8 * sampled["tiles"].get<int>()) << "or this shows nothing";
   EXPECT_NE(points[0].stream, points_of("scene: teapot\nsets: [render.tile=8, frame.start=warm]\n")[0].stream);

@@ -13,10 +13,11 @@ struct BandedMetric {
   std::string name, path;  ///< name for display; path in a report
   bool more_is_better = false;
   std::vector<std::size_t> rows;
-  std::vector<std::vector<std::size_t>> runs;  ///< by point: runs behind its value; several for a machine
-  std::vector<double> run_values;              ///< nominal value of each run
-  std::shared_ptr<const Fold> fold;            ///< function that combines the workloads of a machine; null for points
-  std::vector<double> nominal;                 ///< by point
+  std::vector<std::vector<std::size_t>>
+      runs;                                ///< by point: runs from which its value is computed; several for a machine
+  std::vector<double> run_values;          ///< nominal value of each run
+  std::shared_ptr<const Fold> fold;        ///< function that combines the workloads of a machine; null for points
+  std::vector<double> nominal;             ///< by point
   std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to `nominal` for a metric without energy
   std::vector<double> at_low, at_high;     ///< values by point under the low and the high tables
 
