@@ -68,9 +68,9 @@ using AllKernels = std::tuple<
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
     // Kernels of the path program, and of rough reflections.
-    SeedPaths, ClassifyLit, SampleLight<false>, SampleLight<true>, SampleLightRough<false>, SampleLightRough<true>,
-    ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>, ScatterRough, AveragePaths,
-    ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
+    SeedPaths, KeepVisible, ClassifyLit, SampleLight<false>, SampleLight<true>, SampleLightRough<false>,
+    SampleLightRough<true>, ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>,
+    ScatterRough, AveragePaths, ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
     ShadePhysical<MipFilter::kLinear, true>, ReflectRough,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,

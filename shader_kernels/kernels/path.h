@@ -77,6 +77,29 @@ struct ClassifyLit {
   }
 };
 
+/// Keeps the emissive surfaces in a list that mirrored, refracted or primary rays have hit. Light sources already
+/// represent the others.
+struct KeepVisible {
+  static constexpr std::string_view kName = "keep_visible";
+  static constexpr std::string_view kMeaning = "emissive surface -> the same stream, unless a scattered ray hit it";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> stream, kept;
+    Counter<V> kept_count;
+    I<V> scattered;  ///< first ray slot of rays that diffuse and rough surfaces scattered
+    static constexpr void describe(auto& p, auto&& port) {
+      port(NAMED(p.stream));
+      port(p.kept, "visible_emitters");
+      name_all(port, NAMED_ALL(p.kept_count, p.scattered));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    io.kept.store(io.kept_count.next_index(slot < io.scattered), {slot});
+  }
+};
+
 template <class V, bool kSoft>
 struct SampleLightPorts {
   Local<V, WordRecord> stream, seeds;

@@ -53,18 +53,19 @@ constexpr auto kLights = std::to_array<WaveStage>({
     {&Q::rough, launch_by_discs<SampleLightRough>, WaitsFor::kBounce, kCastsRays},
 });
 
-/// Row of the table of kernels that emit the next rays of paths.
+/// Row of the table of kernels that emit the next rays of paths. Kernels that scatter are last.
 struct ScatterStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
   RayKind kind;
+  bool scatters;  ///< the surface also gets light from light sources, so that hits on lamps count twice
 };
 constexpr auto kScatter = std::to_array<ScatterStage>({
-    {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction},
-    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection},
-    {&Q::rough, launch_path<ScatterRough>, RayKind::kReflection},
-    {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction},
-    {&Q::diffuse, launch_by_roughness<ScatterDiffuse>, RayKind::kReflection},
+    {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, false},
+    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, false},
+    {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, false},
+    {&Q::rough, launch_path<ScatterRough>, RayKind::kReflection, true},
+    {&Q::diffuse, launch_by_roughness<ScatterDiffuse>, RayKind::kReflection, true},
 });
 static_assert(kScatter.size() <= std::tuple_size_v<decltype(WaveBounce::batches)>);
 
@@ -77,7 +78,7 @@ void PathTracer::run(const GeneratePorts<float>& ports, Node maker, std::uint32_
   buffer.reserve_paths(samples);
   seeded_ = seed_samples(ports, samples);
   WaveBounce bounce;
-  bounce.rays = bounce.lanes = samples;
+  bounce.rays = bounce.lanes = scattered_ = samples;
   buffer.reserve_wave(samples);
   bounce.batches[bounce.batch_count++] = wave_.tracer_.find_primary_hits(samples, maker);
   while (bounce.rays != 0) {
@@ -104,9 +105,26 @@ Node PathTracer::seed_samples(const GeneratePorts<float>& ports, std::uint32_t s
 }
 
 void PathTracer::shade_emission(WaveBounce& bounce) {
+  const bool counts_all = config_.emission == PathEmission::kAll || wave_.wave_.scene.lights.empty();
+  if (!counts_all && scattered_ == 0) return;
   for (const WaveStage& stage : kEmission) {
-    add_reader(wave_.run_stage(stage, bounce, wave_.wave_.buffer.queues.*stage.queue));
+    SlotQueue& queue = wave_.wave_.buffer.queues.*stage.queue;
+    if (!counts_all && scattered_ < bounce.rays) keep_visible(bounce, queue);
+    add_reader(wave_.run_stage(stage, bounce, queue));
   }
+}
+
+/// Removes the surfaces from a queue of emissive ones that scattered rays have hit.
+void PathTracer::keep_visible(WaveBounce& bounce, SlotQueue& queue) {
+  if (queue.items == 0) return;
+  KeepVisible::Ports<float> ports;
+  ports.stream.bind(queue.entries.data());
+  ports.kept.bind(queue.entries.data());
+  ports.scattered = scattered_;
+  const Node kept = wave_.graph_.launch<KeepVisible>(ports, queue.items, bounce.lanes);
+  wave_.graph_.wait_for_all(kept, bounce.colours != kNone ? bounce.colours : bounce.inspector);
+  bounce.colours = kept;
+  queue.items = ports.kept_count.value;
 }
 
 /// Emits one shadow ray from each surface that light sources illuminate, and adds the light.
@@ -154,6 +172,7 @@ WaveBounce PathTracer::scatter(const WaveBounce& bounce) {
   WaveBounce next;
   next.depth = bounce.depth + 1;
   next.lanes = bounce.lanes;
+  scattered_ = 0;
   for (const ScatterStage& stage : kScatter) {
     SlotQueue& queue = buffer.queues.*stage.queue;
     if (queue.items == 0) continue;
@@ -161,6 +180,7 @@ WaveBounce PathTracer::scatter(const WaveBounce& bounce) {
         wave_.wave_, bounce,
         {.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes, .next_ray = next.rays});
     wave_.wait_for_bounce(maker, bounce);
+    if (!stage.scatters) scattered_ = next.rays + rays;
     if (rays == 0) continue;
     next.batches[next.batch_count++] = wave_.tracer_.trace(stage.kind, slots, next.rays, rays, maker, true);
     next.rays += rays;

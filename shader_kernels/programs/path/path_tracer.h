@@ -30,6 +30,7 @@ class PathTracer {
  private:
   Node seed_samples(const GeneratePorts<float>& ports, std::uint32_t samples);
   void shade_emission(WaveBounce& bounce);
+  void keep_visible(WaveBounce& bounce, SlotQueue& queue);
   void sample_lights(WaveBounce& bounce);
   void choose_lobes(WaveBounce& bounce);
   WaveBounce scatter(const WaveBounce& bounce);
@@ -40,7 +41,8 @@ class PathTracer {
   Wavefront& wave_;
   const PathConfig& config_;
   Node seeded_ = Wavefront::kNone;
-  std::vector<Node> readers_;  ///< launches of the bounce that read throughputs and queues before choose_lobe
+  std::uint32_t scattered_ = 0;  ///< first ray slot of the wave's rays that diffuse and rough surfaces scattered
+  std::vector<Node> readers_;    ///< launches of the bounce that read throughputs and queues before choose_lobe
 };
 
 }  // namespace kernels
