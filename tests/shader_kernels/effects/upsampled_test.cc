@@ -209,7 +209,8 @@ TEST(EffectRate, AppliesOnlyToFull1AndToEffectsWithManyRays) {
     sim::check_config(rated("shadows", EffectRate::kCheckerboard));
     ADD_FAILURE();
   } catch (const sim::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("effect_rate: is that of occlusion and soft_shadows"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("effect_rate: is that of occlusion, soft_shadows and bounce"),
+              std::string::npos)
         << error.what();
   }
 }
