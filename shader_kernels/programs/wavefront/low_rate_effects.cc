@@ -5,6 +5,10 @@
 namespace kernels {
 namespace {
 
+constexpr WaveStage kFullRateAmbient{&StageQueues::diffuse, launch<ShadeAmbient>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kFullRateOcclusionTextures{&StageQueues::occluded, launch_by_mips<ShadeOccluded>, WaitsFor::kBounce,
+                                               kAddsColours};
+
 /// Hash key that makes the seeds of diffuse rays differ from those of other effects.
 constexpr std::uint32_t kBounceSeed = 0xc2b2ae3dU;
 
@@ -59,8 +63,8 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
     }
     ++layer;
   } else {
-    run_stage(kAmbient, bounce, diffuse);
-    run_stage(kOcclusionTextures, bounce, buffer.queues.occluded);
+    run_stage(kFullRateAmbient, bounce, diffuse);
+    run_stage(kFullRateOcclusionTextures, bounce, buffer.queues.occluded);
   }
   for (std::uint32_t light = 0; light < scene.lights.size(); ++light) {
     if (scene.discs.empty()) {
