@@ -85,6 +85,7 @@ struct DiscUniforms {
     port(d.radius, "disc.radius");
     port(d.share, "disc.share");
   }
+  static void fields(auto& d, auto&& field) { name_all(field, NAMED_ALL(d.across_x, d.across_y, d.radius, d.share)); }
 };
 
 template <class V>

@@ -12,6 +12,7 @@
 #include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
+#include "shader_kernels/programs/path/path_program.h"
 #include "shader_kernels/programs/upsampled.h"
 #include "sim/error.h"
 
@@ -28,6 +29,16 @@ void check_undersample_effects(const Effects& effects) {
         "reflections, refractions, or another program",
         names_of(effect)[static_cast<std::size_t>(effect)]));
   }
+}
+
+/// Throws InputError if the effects are not those of a path tracer: shadows of either kind, reflections, refractions.
+void check_path_effects(const Effects& effects) {
+  const bool has_shadows = effects.has(Effect::kShadows) || effects.has(Effect::kSoftShadows);
+  const bool has_all = has_shadows && effects.has(Effect::kReflections) && effects.has(Effect::kRefractions);
+  if (has_all && !effects.has(Effect::kOcclusion)) return;
+  throw sim::InputError(
+      "render.effects: the program path traces all light; allowed: shadows or soft_shadows, with reflections and "
+      "refractions and without occlusion, or another program");
 }
 
 /// Throws InputError if effect rays are to be traced at only some pixels and the program is not full:1. Only full:1 can
@@ -62,6 +73,9 @@ std::unique_ptr<FrameProgram> make_plain_program(const ProgramSpec& spec, const 
       return std::make_unique<ReconstructProgram>(f.image, f.camera, f.render, f.programs.reconstruct, filters,
                                                   f.scene_size, f.number);
     }
+    case ProgramSpec::Kind::kPath:
+      check_path_effects(parse_effects(f.render.effects));
+      return std::make_unique<PathProgram>(f.image, f.camera, f.render, f.programs.path, spec.samples, f.number);
     case ProgramSpec::Kind::kFull:
       break;
   }

@@ -4,6 +4,7 @@
 
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
+#include "shader_kernels/programs/path/path_config.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
@@ -19,12 +20,14 @@ struct ProgramConfig {
   ReconstructConfig reconstruct;
   SupersampleConfig supersample;
   UndersampleConfig undersample;
+  PathConfig path;
 
   static void describe(auto& c, auto&& field) {
     field.group(NAMED(c.multirate), "frame programs multirate:under and multirate:super");
     field.group(NAMED(c.undersample), "frame program undersample");
     field.group(NAMED(c.supersample), "frame program supersample");
     field.group(NAMED(c.reconstruct), "frame programs reconstruct and reconstruct:sraa");
+    field.group(NAMED(c.path), "frame program path:N");
   }
 };
 

@@ -55,6 +55,10 @@ constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kerne
 enum class EffectRate : std::uint8_t { kFull, kHalf, kCheckerboard };
 constexpr std::array<std::string_view, 3> names_of(EffectRate) { return {"full", "half", "checkerboard"}; }
 
+/// Reflections of rough surfaces: a smooth mirror's that fades with roughness, or those of GGX microfacets.
+enum class RoughReflections : std::uint8_t { kMirror, kGgx };
+constexpr std::array<std::string_view, 2> names_of(RoughReflections) { return {"mirror", "ggx"}; }
+
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
@@ -75,6 +79,7 @@ struct RenderConfig {
   traces::RasterConfig raster;
   std::string effects = "shadows, reflections, refractions";
   EffectRate effect_rate = EffectRate::kFull;
+  RoughReflections rough_reflections = RoughReflections::kMirror;
   std::uint32_t occlusion_rays = 4;
   double occlusion_distance = 0.1;
   std::uint32_t shadow_rays = 4;
@@ -134,6 +139,10 @@ struct RenderConfig {
           "pixels whose first hits emit rays for occlusion and soft_shadows: all, one of 2 x 2, or every other one; a "
           "filter by depth and normal supplies the others",
           sim::any(), Affects::kFunction);
+    field(NAMED(c.rough_reflections), "",
+          "reflections of rough glTF surfaces: a smooth mirror's, which fade with roughness, or one ray by the GGX "
+          "distribution",
+          sim::any(), Affects::kFunction);
     field(NAMED(c.occlusion_rays), "rays", "occlusion rays per diffuse surface", sim::between(1, 64),
           Affects::kFunction);
     field(NAMED(c.occlusion_distance), "scene diagonals", "distance up to which a surface occludes ambient light",
@@ -148,6 +157,9 @@ struct RenderConfig {
   bool has_low_rate_effects() const {
     const Effects all = parse_effects(effects);
     return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);
+  }
+  traces::Roughness roughness() const {
+    return rough_reflections == RoughReflections::kGgx ? traces::Roughness::kOn : traces::Roughness::kOff;
   }
   void check(auto&& complain) const {
     try {

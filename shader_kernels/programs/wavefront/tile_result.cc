@@ -28,7 +28,7 @@ void RaySlots::reserve_slots(std::size_t slots) {
 
 void StageQueues::clear_surfaces() {
   for (SlotQueue* queue : {&textured, &diffuse, &mirror, &glass, &emissive, &deferred, &absorbing, &vertexed, &based,
-                           &physical, &bumped, &blended, &glowing, &occluded}) {
+                           &physical, &bumped, &blended, &glowing, &occluded, &rough}) {
     queue->items = 0;
   }
 }
@@ -59,6 +59,12 @@ void TileBuffer::reserve_layers(std::size_t slots) {
   grow_to(queues.layers, slots);
   grow_to(queues.targets, slots);
   rays.layer.reserve_slots(slots + 1);
+}
+
+void TileBuffer::reserve_paths(std::size_t slots) {
+  grow_to(queues.blended, slots);
+  grow_to(queues.rough, slots);
+  grow_to(samples.seeds, slots);
 }
 
 void TileBuffer::reserve_samples(std::size_t sample_count) {

@@ -198,7 +198,7 @@ constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
     {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
     {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
     {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_physical, WaitsFor::kBounce, kFillsQueues},
     {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
     {&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues | kEndsSurfaces},
@@ -210,7 +210,7 @@ constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
     {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
     {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_physical, WaitsFor::kBounce, kFillsQueues},
     {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
 });
@@ -269,7 +269,7 @@ constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, WaitsFor::k
 
 constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, &WaveBounce::straight, std::nullopt},
-    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
+    {&Q::mirror, launch_mirror, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
     {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, &WaveBounce::refracted, Effect::kRefractions},
 });
 
@@ -422,7 +422,7 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
   if (scene.has_details) buffer.reserve_details(bounce.rays);
   // Surfaces are not lit immediately if a sample has two rays in the wave and light may be deferred, because the lights
   // would be added in another order.
-  const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
+  const bool has_light = !kept.is_path && (!scene.lights.empty() || scene.occlusion_rays != 0);
   const bool is_lit = is_shaded() && scene.fuses && has_light && !uses_low_rate_effects(bounce) &&
                       (bounce.is_single || !scene.has_deferred);
   if (is_lit) {
@@ -453,9 +453,9 @@ void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce
 }
 
 /// Launches a shading stage on a queue. Traces the rays that the stage emits and adds their light.
-void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
+Node Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
                           std::uint32_t ray) {
-  if (queue.items == 0) return;
+  if (queue.items == 0) return kNone;
   RaySlots& shadow = wave_.buffer.rays.shadow;
   if (stage.has(kCastsRays)) shadow.reserve_slots(std::size_t{queue.items} + 1);
   const LaunchResult launched = stage.launch(wave_, bounce,
@@ -482,6 +482,7 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
   }
   if (stage.has(kEndsSurfaces)) record_hits(bounce);
   if (launched.rays != 0) combine_shadows(bounce, light, batch, launched.rays, !stage.has(kCastsAmbientRays));
+  return node;
 }
 
 void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
@@ -493,12 +494,9 @@ void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
 
 /// Makes `node` wait for a batch of rays: item by item, unless rays continued after transparent surfaces.
 void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
-  if (batch.settled == kNone) {
-    graph_.wait_item_by_item(node, batch.rays);
-  } else {
-    graph_.wait_for_all(node, batch.rays);
-    graph_.wait_for_all(node, batch.settled);
-  }
+  if (batch.settled == kNone) return graph_.wait_item_by_item(node, batch.rays);
+  graph_.wait_for_all(node, batch.rays);
+  graph_.wait_for_all(node, batch.settled);
 }
 
 /// Adds ambient light and all lights to diffuse surfaces. At surfaces that a fused stage has lit, ambient light and the
