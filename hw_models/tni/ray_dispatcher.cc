@@ -19,9 +19,8 @@ RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock
       from_trv_(std::move(links.from_trv)),
       collects_(Arbitration::kRoundRobin, from_trv_.size()),
       load_(to_trv_.size()) {
-  if (!policy_.config.is_sorting()) return;
-  window_.emplace(policy_.config.window, policy_.config.timeout);
-  stats_.sorts = true;
+  stats_.sorts = policy_.config.is_sorting();
+  if (stats_.sorts) window_.emplace(policy_.config.window, policy_.config.timeout);
 }
 
 sim::Time RayDispatcher::tick(sim::Time now) {

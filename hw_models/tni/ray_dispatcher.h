@@ -36,7 +36,7 @@ class RayDispatcher {
   });
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;
-    bool sorts = false;  ///< counters of the window are reported
+    bool sorts = true;  ///< counters of the window are reported
     std::uint64_t window_writes = 0, window_reads = 0, key_moves = 0, timed_out = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays dispatched", "tni.ray_setup");

@@ -121,7 +121,7 @@ class Trv {
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
-    bool has_prefetcher = false, gathers = false;  ///< counters of the prefetcher and of groups are reported
+    bool has_prefetcher = true, gathers = true;  ///< counters of the prefetcher and of groups are reported
     std::uint64_t prefetch_stack_reads = 0, prefetches_dropped = 0;
     std::uint64_t prefetches_useful = 0, prefetches_late = 0, prefetches_useless = 0;
     std::uint64_t groups = 0, full_groups = 0, gathered = 0, gather_compares = 0;

@@ -107,8 +107,8 @@ TEST(StackPrefetch, ThePopOfAClimbingRayHidesTheMissOfTheNextEntry) {
 TEST(StackPrefetch, AnEntryThatBeginsBeyondTheHitIsReadButNotPrefetched) {
   TniHarness::Setup setup = seven_nodes(Prefetch::kStack);
   TniHarness harness(setup);
-  harness.add({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 0, 0), traces::cull_step(2),
-               traces::end_step(false)});
+  harness.add(
+      {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 0, 0), traces::cull_step(2), traces::end_step(false)});
   harness.run();
   EXPECT_EQ(trv(harness).stats().prefetch_probes, 0U);
   // The second culled entry follows a pop, with nothing below.
