@@ -19,7 +19,8 @@ namespace hw {
 ///
 /// 1. prefetch: stack. A pop follows a pop if the ray has pushed no entry in between, so the ray climbs. The next K
 /// entries are those below the popped one that are in the short stack. Leaves need no node line. The youngest entries
-/// that begin beyond the hit are read, because they have distances, but not prefetched.
+/// that begin beyond the hit are read, because they have distances, but not prefetched. Entries of nodes
+/// (stack_push: node) count once for each of their children.
 /// 2. prefetch: treelet. The first miss on the line of a treelet's root queues all other lines of the treelet.
 /// 3. A prefetch probes the L1 after the demand access of the cycle. It leaves an MSHR free for demand misses, and
 /// waits until it can. If the queue is full, further lines are dropped.

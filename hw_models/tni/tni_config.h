@@ -211,9 +211,6 @@ struct TrvConfig {
   void check(auto&& complain) const {
     if (stack_entries == 0 && stack != StackScheme::kRestartTrail && stack != StackScheme::kParent)
       complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail or parent only");
-    if (prefetch == Prefetch::kStack && stack_push == StackPush::kNode)
-      complain("prefetch",
-               "is stack, but entries are nodes without addresses of children; allowed with stack_push: child");
     if (gather != Gather::kOff && box_testers == 1)
       complain("gather", "is node; allowed with box_testers of 2 or more, whose box pipe is separate");
     if (l1.hit_cycles + box_latency > kLongestPipe)

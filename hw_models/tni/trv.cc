@@ -498,9 +498,9 @@ Trv::Pipe Trv::complete_replayed_visit(TraversalSlot& slot, std::uint32_t index)
   stats_.restarted_visits += 1;
   const bool ends = slot.complete_replayed_visit(paths_[index]);
   if (ends && stack_.continues_without_pop()) {
+    if (prefetcher_) prefetcher_->take_entry(index);
     if (features_.node_stack) return continue_at_child(slot, index, node_stacks_[index].take_child(tree_));
     slot.consume_entry();
-    if (prefetcher_) prefetcher_->take_entry(index);
   }
   return slot.next_pipe();
 }
@@ -523,6 +523,7 @@ template <TrvCode kCode>
 
 Trv::Pipe Trv::pop_node_stack(TraversalSlot& slot, std::uint32_t index) {
   if (const std::optional<std::uint32_t> link = node_stacks_[index].pop(tree_, stats_)) {
+    if (prefetcher_) prefetcher_->pop_entry(index, node_stacks_[index].resident_children(), 0);
     return continue_at_child(slot, index, *link);
   }
   node_stacks_[index].restart(stack_, tree_, paths_[index], stats_);
