@@ -32,7 +32,7 @@ struct RayMix {
   Sets sets;
 };
 
-const RayMix kPaths{"path rays", "path:1", {}};
+const RayMix kPaths{"path rays", "path:1", {"render.depth=4"}};
 const RayMix kPrimaries{"primary rays", "full:1", {"render.depth=1", "render.effects=none"}};
 
 Case coherence_case(const View& view, const std::string& setting, const RayMix& rays, const Sets& run,
@@ -94,7 +94,7 @@ void add_rays_in_flight(std::vector<Case>& cases, const View& view, bool quick) 
 
 /// Adds cases that play the rays of one bounce alone.
 void add_bounces(std::vector<Case>& cases, const View& view, bool quick) {
-  for (std::uint32_t bounce = 0; bounce < 4; ++bounce) {
+  for (std::uint32_t bounce = 0; bounce < (quick ? 1 : 4); ++bounce) {
     for (const bool shadows : {false, true}) {
       Case c = coherence_case(view, fmt::format("bounce {}{}", bounce, shadows ? ", shadow rays" : ""), kPaths, {}, {},
                               quick);
