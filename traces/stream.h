@@ -141,6 +141,7 @@ struct TileWork {
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
+  std::vector<std::uint32_t> ray_keys;      ///< sort key of each ray (ray_key.h); empty in work read from a trace
   std::vector<Access> accesses;             ///< memory accesses of all launches with has_accesses, in item order
   std::vector<std::uint32_t> access_begin;  ///< index of the first access of each item with accesses; then the end
   std::vector<std::uint32_t> sources;       ///< source items (WorkNode::sources); non-decreasing within a node

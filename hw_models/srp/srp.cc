@@ -475,7 +475,8 @@ inline bool Srp::feed_ray(sim::Time now) {
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.tile_tag()});
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.tile_tag(),
+                                   work.ray_keys.empty() ? RayJob::kNoKey : work.ray_keys[ray]});
   buffer_.count_reads(sizeof(traces::Ray) / kAccessBytes);
   rays_.note_sent(now);
   stats_.rays += 1;

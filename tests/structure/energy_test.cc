@@ -77,7 +77,7 @@ TEST(EnergyTable, HasThePartsOfTheMachinesUnitsAndNoOthers) {
   for (const sim::UnitReport& unit : played().units) {
     for (const sim::UnitPart& part : unit.parts) parts.insert(sim::entry_name(unit) + "." + part.name);
   }
-  EXPECT_EQ(parts.size(), 10U);
+  EXPECT_EQ(parts.size(), 11U);
   for (const auto* table : {&played().config.energy.parts, &played().config.energy.parts_in_logic}) {
     std::set<std::string> names;
     for (const auto& [name, figure] : *table) names.insert(name);

@@ -417,6 +417,7 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
   }
   read_nodes(from, scope, work);
   work.accesses.clear();
+  work.ray_keys.clear();
   work.access_begin.clear();
   work.sources.clear();
   accesses_.begin_tile();

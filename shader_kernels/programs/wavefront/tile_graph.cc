@@ -13,6 +13,7 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
     : work_(work), spare_(spare), on_(on) {
   work.walk.clear();
   work.ray_begin.clear();
+  work.ray_keys.clear();
   work.accesses.clear();
   work.access_begin.clear();
   work.sources.clear();

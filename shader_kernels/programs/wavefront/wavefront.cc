@@ -23,7 +23,12 @@ constexpr float kLeastLight = 0x1p-5F;
 }  // namespace
 
 WaveTracer::WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out)
-    : scene_(scene), tracer_(tracer), graph_(graph), out_(out), buffer_(out.buffer) {
+    : scene_(scene),
+      tracer_(tracer),
+      graph_(graph),
+      out_(out),
+      buffer_(out.buffer),
+      key_grid_(scene.image.lower, scene.image.upper) {
   out.rays = {};
   out.continued = 0;
   out.traversal_steps = out.triangle_tests = 0;
@@ -61,6 +66,11 @@ WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std:
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
   tracer_.trace(std::span(slots.rays).subspan(first, ray_count), kind, std::span(slots.hits).subspan(first, ray_count),
                 graph_.is_recording() ? &sink : nullptr);
+  if (graph_.is_recording()) {
+    for (const traces::Ray& ray : std::span(slots.rays).subspan(first, ray_count)) {
+      out_.work.ray_keys.push_back(key_grid_.key_of(ray));
+    }
+  }
   if (graph_.is_muted()) return TileGraph::kNone;
   count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, ray_count));
   const Node node = graph_.stream_builder().add_rays(kind, ray_count, rays_traced_, maker, is_mapped);

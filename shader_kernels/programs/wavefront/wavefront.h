@@ -10,6 +10,7 @@
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/programs/wavefront/tile_graph.h"
 #include "traces/ray.h"
+#include "traces/ray_key.h"
 
 namespace kernels {
 
@@ -63,6 +64,7 @@ class WaveTracer {
   TileGraph& graph_;
   TileResult& out_;
   TileBuffer& buffer_;
+  const traces::RayKeyGrid key_grid_;
   std::uint32_t rays_traced_ = 0;
 };
 
