@@ -408,6 +408,34 @@ Json sliced_json(const FrameResult& run) {
   return out;
 }
 
+/// Returns totals.representative of a report: counts of frames, and 95 % intervals of estimates.
+Json representative_json(const FrameResult& run) {
+  const RepresentedFrames& r = *run.represented;
+  Json out = {{"frames", r.frames},
+              {"simulated", r.simulated},
+              {"clusters", r.cluster_sizes.size()},
+              {"asked", r.asked == 0 ? Json("auto") : Json(r.asked)},
+              {"draw", r.draw},
+              {"rounds", r.rounds}};
+  add_intervals(run, r.cycles, r.energy_pj, out);
+  return out;
+}
+
+/// Returns `sequence` of a report: the cluster of each frame, and the simulated frames of each cluster. `frames`:
+/// reports of the simulated frames.
+Json sequence_json(const RepresentedFrames& r, const Json& frames) {
+  Json clusters = Json::array();
+  for (const std::uint32_t size : r.cluster_sizes) {
+    clusters.push_back({{"frames", size}, {"simulated", Json::array()}, {"weight", 0.0}});
+  }
+  for (const Json& frame : frames) {
+    Json& cluster = clusters.at(frame["cluster"].get<std::size_t>());
+    cluster["simulated"].push_back(frame["frame"]);
+    cluster["weight"] = cluster["weight"].get<double>() + frame["weight"].get<double>();
+  }
+  return {{"first_frame", r.first}, {"cluster_of_frame", r.cluster_of}, {"clusters", std::move(clusters)}};
+}
+
 double ratio_of(std::uint64_t part, std::uint64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
@@ -491,6 +519,7 @@ Json host_json(const ReportInput& report) {
     host["pilot_s"] = result.run.sampled->pilot_seconds;
     host["warming_s"] = result.run.sampled->warming_seconds;
   }
+  if (result.run.represented) host["counting_s"] = result.run.represented->counting_seconds;
   if (is_sliced) host["slices_s"] = sliced->seconds;
   return host;
 }
@@ -538,6 +567,7 @@ Json totals_json(const ComparedResult& result) {
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(run);
   if (run.sampled) totals["sampled"] = sampled_json(run);
+  if (run.represented) totals["representative"] = representative_json(run);
   if (run.sliced) totals["sliced"] = sliced_json(run);
   if (result.reference != nullptr) add_relative_metrics(totals, result);
   if (result.rate != nullptr) totals.update(frame_rate_json(run, *result.rate));
@@ -593,9 +623,11 @@ Json report_json(const ReportInput& report) {
               {"totals", std::move(totals)},
               {"frames", report.frames},
               {"units", sim::units_json(run.units)}};
-  if (run.sampled) {
+  if (run.represented) out["sequence"] = sequence_json(*run.represented, report.frames);
+  if (run.sampled || run.represented) {
     Json& intervals = out["sampled_counters"] = Json::object();
-    for (const auto& [path, interval] : run.sampled->counters) intervals[path] = interval_json(interval);
+    const auto& counters = run.sampled ? run.sampled->counters : run.represented->counters;
+    for (const auto& [path, interval] : counters) intervals[path] = interval_json(interval);
   }
   out["host"] = host_json(report);
   return out;

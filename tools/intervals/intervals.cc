@@ -250,7 +250,7 @@ RunIntervals::RunIntervals(const ReportFile& report)
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));
   };
   if (!has_intervals(report)) {
-    throw refuse("is not there; allowed: a run without --tile-sampling and --intervals off");
+    throw refuse("is not there; allowed: a run without --tile-sampling, --representative and --intervals off");
   }
   const std::string bytes = sim::read_file(file, kLargestIntervals);
   IntervalFile read;

@@ -18,6 +18,7 @@
 #include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/run/representative_frames.h"
 #include "tools/sampling/slices.h"
 #include "tools/tiles/tile_energy.h"
 #include "traces/trace_file/trace_writer.h"
@@ -41,7 +42,8 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   SimulateOptions own = extras;
   own.rates = &rates_;
   own.marks = plan_.whole_frames() != nullptr && plan_.whole_frames()->debug_images;
-  own.caches = std::exchange(caches_, nullptr);
+  // The frame before a representative frame is not simulated.
+  if (plan_.frame_sampling() == nullptr) own.caches = std::exchange(caches_, nullptr);
   FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
   caches_ = std::exchange(frame.caches, nullptr);
   if (slices_ == 1) frame.sliced = to_single_slice(frame);
@@ -129,12 +131,21 @@ RunResult run(FrameSource& frames, const RunOptions& options) {
     if (out.frames.empty()) throw;
     out.partial = true;
   }
+  frames.complete_result(out);
   return out;
 }
 
+std::unique_ptr<FrameSource> make_frames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
+                                         Progress* progress) {
+  if (plan.frame_sampling() != nullptr) {
+    return std::make_unique<RepresentativeFrames>(inputs, plan, threads, progress);
+  }
+  return std::make_unique<RenderedFrames>(inputs, plan, threads, progress);
+}
+
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress) {
-  RenderedFrames frames(inputs, make_plan(options), options.threads, progress);
-  const RunResult result = run(frames, {.progress = progress});
+  const std::unique_ptr<FrameSource> frames = make_frames(inputs, make_plan(options), options.threads, progress);
+  const RunResult result = run(*frames, {.progress = progress});
   if (result.partial) throw Interrupted();
   return report_json({inputs, options, result.report_totals(), result.frames, false, 0});
 }
@@ -147,18 +158,20 @@ struct WholeFrameOption {
   bool (*is_given)(const JobOptions& options);
   const char* why_not_sampled;
   const char* why_not_sliced;
+  const char* why_not_represented;
 };
 constexpr std::array<WholeFrameOption, 5> kWholeFrameOptions = {{
     {"--reference", [](const JobOptions& o) { return !o.reference.empty(); }, "compare two runs of all tiles",
-     "compare two runs with equal --slices"},
+     "compare two runs with equal --slices", "compare two runs of the same frames"},
     {"--replicates", [](const JobOptions& o) { return o.replicates > 1; }, "replicates play all tiles",
-     "replicates are played side by side already"},
+     "replicates are played side by side already", "the variation within clusters includes the noise of frames"},
     {"--timeline", [](const JobOptions& o) { return !o.timeline.empty(); },
-     "a timeline is of a frame whose tiles are all timed", "a timeline is of one machine"},
+     "a timeline is of a frame whose tiles are all timed", "a timeline is of one machine",
+     "a timeline is of the first frame"},
     {"--record", [](const JobOptions& o) { return !o.record.empty(); }, "a trace has all tiles",
-     "slices render tiles at their borders twice"},
+     "slices render tiles at their borders twice", "a trace has consecutive frames"},
     {"--debug-images", [](const JobOptions& o) { return o.debug_images; }, "they show what all tiles took",
-     "what a tile took is that of one machine"},
+     "what a tile took is that of one machine", "they show a sequence of frames"},
 }};
 
 void refuse_options_of_whole_frames(const JobOptions& options, const char* mode, const char* WholeFrameOption::*why) {
@@ -173,6 +186,7 @@ void refuse_options_of_whole_frames(const JobOptions& options, const char* mode,
 RunPlan make_plan(const JobOptions& options) {
   RunPlan plan{kernels::parse_program(options.program), WholeFrames{}};
   const bool is_sampled = !options.tile_sampling.empty(), is_sliced = !options.slices.empty();
+  const bool is_represented = !options.representative.empty();
   if (is_sampled) {
     check_tile_sampling(plan.program);
     refuse_options_of_whole_frames(options, "--tile-sampling", &WholeFrameOption::why_not_sampled);
@@ -186,10 +200,18 @@ RunPlan make_plan(const JobOptions& options) {
     if (is_sampled) {
       throw sim::InputError("--slices does not go with --tile-sampling: a sample of the tiles is not cut");
     }
+    if (is_represented) throw sim::InputError("--slices does not go with --representative; allowed: one of the two");
     refuse_options_of_whole_frames(options, "--slices", &WholeFrameOption::why_not_sliced);
     plan.how = SlicedFrames{slices};
   }
-  if (!is_sampled && !is_sliced) {
+  if (is_represented) {
+    check_representative(plan.program);
+    refuse_options_of_whole_frames(options, "--representative", &WholeFrameOption::why_not_represented);
+    FrameSampling frames = parse_representative(options.representative);
+    if (is_sampled) frames.tiles = *plan.sampling();
+    plan.how = frames;
+  }
+  if (!is_sampled && !is_sliced && !is_represented) {
     WholeFrames whole{{}, options.replicates, options.debug_images};
     if (!options.reference.empty()) whole.reference = kernels::parse_program(options.reference);
     plan.how = whole;

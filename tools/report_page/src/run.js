@@ -112,7 +112,7 @@ function addHeadlines({ report, totals }, view) {
     view.headlines.push(headline({ id, name, value, show, unit, note, low: hasBand ? at(found, "low") : null, high: hasBand ? at(found, "high") : null }));
   }
   const time = view.headlines.find((f) => f.id === "time_ms");
-  for (const [by, note] of [["sampled", "estimated from sampled tiles, 95 % interval"], ["sliced", "sum of slices, 95 % interval"]]) {
+  for (const [by, note] of [["sampled", "estimated from sampled tiles, 95 % interval"], ["representative", "estimated from representative frames, 95 % interval"], ["sliced", "sum of slices, 95 % interval"]]) {
     const interval = at(totals, by, "time_ms");
     if (time && hasNumber(interval, "low") && hasNumber(interval, "high")) Object.assign(time, { low: interval.low, high: interval.high, note });
   }
@@ -134,6 +134,8 @@ function addHeadlines({ report, totals }, view) {
   if (at(report, "partial") === true) view.notices.push("This run was interrupted: its figures are those of the finished part.");
   const timed = numberAt(totals, "sampled", "timed"), tiles = numberAt(totals, "sampled", "tiles");
   if (timed < tiles) view.notices.push(`Timed: ${timed} of ${counted(tiles, "tile")}; all other figures are estimates.`);
+  const simulated = numberAt(totals, "representative", "simulated"), sequence = numberAt(totals, "representative", "frames");
+  if (simulated < sequence) view.notices.push(`Simulated: ${simulated} of ${counted(sequence, "frame")}; all other figures are estimates.`);
   view.notices.push(...itemsAt(report, "warnings").filter((w) => typeof w === "string").map((w) => printable(w)));
 }
 
@@ -359,7 +361,8 @@ function addFrames({ report, film }, view) {
     ...(compared ? [at(f, "psnr_db"), at(f, "temporal_psnr_db")] : [])]));
   const line = (y, yTitle) => ({ kind: "lines", x: "frame", xTitle: "frame", xFormat: "d", y, yTitle });
   const words = new Map(frames.map((f) => [at(f, "frame"), frameWords(f)]));
-  view.sections.push(section("frames", "Frames", "The figures above are sums and means of all frames.",
+  view.sections.push(section("frames", "Frames", Number.isFinite(numberAt(report, "totals", "representative", "frames"))
+    ? `Simulated frames. The figures above are estimates for all ${numberAt(report, "totals", "representative", "frames")} frames.` : "The figures above are sums and means of all frames.",
     film && { ...film, frames: film.frames.map((f) => ({ ...f, words: words.get(f.frame) ?? "" })) },
     chart("frame-times", "Time of each frame", "Time of each frame in milliseconds", "frames", line("time_ms", "ms")),
     chart("frame-energies", "Energy of each frame", "Nominal energy of each frame in millijoules", "frames", line("energy_mj", "mJ")),

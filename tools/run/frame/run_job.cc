@@ -166,20 +166,32 @@ std::string inputs_text(const RunConfig& config) {
   return key;
 }
 
-bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
-  if (in.frame == in.config.scene.last_frame) return false;
+bool pose_frame(Inputs& in, std::uint32_t frame) {
+  if (in.frame == frame) return false;
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
+  in.frame = frame;
+  in.camera = in.moving.cameras.front();
+  if (moved.lights) in.image.lights = in.moving.lights;
+  in.update_seconds += sim::seconds_since(begin);
+  return moved.geometry;
+}
+
+void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
   if (progress != nullptr) progress->set_phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, in.frame + 1);
-  in.frame += 1;
-  in.camera = in.moving.cameras.front();
-  if (moved.geometry) {
-    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
-    in.parents = traces::parent_indices(in.image);
-  } else if (moved.lights) {
-    in.image.lights = in.moving.lights;
-  }
+  traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
+  in.parents = traces::parent_indices(in.image);
   in.update_seconds += sim::seconds_since(begin);
+}
+
+void go_to_frame(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
+  if (pose_frame(in, frame)) update_tree(in, threads, progress);
+}
+
+bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
+  if (in.frame == in.config.scene.last_frame) return false;
+  go_to_frame(in, in.frame + 1, threads, progress);
   return true;
 }
 

@@ -60,6 +60,14 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
 void print_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Returns a text of all keys and values on which the result of load_inputs() depends. Equal texts mean equal inputs.
 std::string inputs_text(const RunConfig& config);
+/// Moves camera, lights and geometry of the scene to frame `frame`. True if geometry moved, which the tree lacks until
+/// update_tree().
+bool pose_frame(Inputs& inputs, std::uint32_t frame);
+/// Refits or rebuilds the tree for the geometry of the current frame. Throws Interrupted.
+void update_tree(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
+/// Poses the scene for frame `frame` of the sequence, then refits or rebuilds the tree if geometry moved. Throws
+/// Interrupted.
+void go_to_frame(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Throws Interrupted if an interrupt is pending.
 bool advance_frame(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
@@ -104,6 +112,19 @@ struct SlicedFrame {
   void add(const SlicedFrame& other);
 };
 
+/// Statistics and estimates of a sequence of which some frames were simulated (docs/sequences.md).
+struct RepresentedFrames {
+  std::uint32_t frames = 0, simulated = 0, rounds = 0;
+  std::uint32_t asked = 0;                   ///< requested number of clusters; 0: automatic
+  std::uint64_t draw = 1;                    ///< seed of clusters and of the choice of frames
+  std::uint32_t first = 0;                   ///< number of the sequence's first frame
+  std::vector<std::uint32_t> cluster_of;     ///< cluster of each frame of the sequence
+  std::vector<std::uint32_t> cluster_sizes;  ///< number of frames of each cluster
+  Interval cycles, energy_pj;
+  std::map<std::string, Interval> counters;  ///< counters summed over units of the same kind, by path
+  double counting_seconds = 0;               ///< host seconds of counting the work of all frames
+};
+
 /// Results of one or several frames on the machine.
 struct FrameResult {
   kernels::ProgramSpec program;
@@ -120,11 +141,12 @@ struct FrameResult {
   /// Tiles of the last frame, and how many of them are finished: all, unless SimulateOptions::keep_part kept an
   /// interrupted frame.
   std::uint32_t tiles = 0, finished_tiles = 0;
-  std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
-  std::optional<SlicedFrame> sliced;    ///< set if slices were requested
-  std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
-  std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
-  double replicate_seconds = 0;         ///< host time of the replicates
+  std::optional<SampledFrame> sampled;           ///< set if the results are estimated from sampled tiles
+  std::optional<RepresentedFrames> represented;  ///< set if the results are estimated from some frames of a sequence
+  std::optional<SlicedFrame> sliced;             ///< set if slices were requested
+  std::vector<FrameResult> replicates;           ///< results of perturbed machines, without pictures
+  std::vector<SustainStep> sustained;  ///< the same work at each of the governor's clocks, if thermal.minutes is set
+  double replicate_seconds = 0;        ///< host time of the replicates
   std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if costs are itemised
   std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
   hw::TileAccount rest;                             ///< activity that no tile requested, if costs are itemised
