@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shader_kernels/graph.h"
+#include "shader_kernels/kernels/build_tree.h"
 #include "shader_kernels/kernels/classify.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"
@@ -66,6 +67,8 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
+    // Kernels that build trees.
+    BuildLeaf, SortHistogram, SortScan, SortScatter, LinkNode, FitNode, EncodeNode, EncodeLeaf,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

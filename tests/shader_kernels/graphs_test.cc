@@ -1,3 +1,4 @@
+#include "build_counts.h"
 #include "effects/effects_counts.h"
 #include "hand_counts.h"
 #include "reconstruct_counts.h"
@@ -291,10 +292,12 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand), kFirstFused);
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kBuildByHand),
+            kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
   expect_counts(kEffectsByHand);
+  expect_counts(kBuildByHand);
 }
 
 }  // namespace

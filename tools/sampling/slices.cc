@@ -180,7 +180,13 @@ kernels::FullProgram full_program(const Inputs& inputs, const kernels::ProgramSp
   return {inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame};
 }
 
-void check_sliceable(const kernels::RenderConfig& render) {
+void check_sliceable(const RunConfig& config) {
+  const kernels::RenderConfig& render = config.render;
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--slices: all tiles wait for the frame's trees, which no slice builds; allowed: "
+        "build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -320,7 +326,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 }
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
-  check_sliceable(config.render);
+  check_sliceable(config);
   const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());

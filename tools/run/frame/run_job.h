@@ -22,6 +22,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/sustained.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
 
@@ -47,6 +48,8 @@ struct Inputs {
   traces::MemoryImage image;
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
+  traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
+  double built_cost = 0, cost = 0;     ///< SAH cost after the last rebuild, and now; only for build.policy: cost
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none
