@@ -132,6 +132,7 @@ struct BuildWork {
   std::uint32_t first = 0;        ///< the tree's first triangle in TileWork::build_triangles and build_order
   std::uint32_t first_item = 0;   ///< number of the tree's first triangle or instance among those of the frame
   std::array<Range, 3> output{};  ///< nodes, leaf records and labels of the finished tree
+  std::uint64_t comparisons = 0;  ///< comparisons of clusters by PLOC (bvh.builder: ploc)
   friend bool operator==(const BuildWork&, const BuildWork&) = default;
 };
 

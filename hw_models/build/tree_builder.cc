@@ -81,12 +81,18 @@ void TreeBuilder::begin_pass(Pass pass) {
       break;
     case Pass::kEmit:
     case Pass::kRefit:
-      interval_ = config_.clocks / 2;
+      interval_ = std::max(config_.clocks / 2, pass == Pass::kEmit ? comparison_cycles() : 0);
       for (std::size_t i = 0; i < kOutputs; ++i) {
         outputs_[i].begin(memory_.tree + work().output[i].offset, work().output[i].bytes);
       }
       break;
   }
+}
+
+/// Returns the cycles that comparing clusters takes per item.
+std::uint32_t TreeBuilder::comparison_cycles() const {
+  const std::uint64_t per_cycle = std::uint64_t{items_} * std::max(1U, config_.comparators);
+  return static_cast<std::uint32_t>((work().comparisons + per_cycle - 1) / per_cycle);
 }
 
 TreeBuilder::RunRecord TreeBuilder::record_of(std::uint32_t item) const {
@@ -217,6 +223,7 @@ bool TreeBuilder::end_pass(sim::Time now) {
     }
     (pass_ == Pass::kRefit ? stats_.trees_refitted : stats_.trees_built) += 1;
     (has_triangles() ? stats_.triangles : stats_.instances) += items_;
+    stats_.comparisons += work().comparisons;
     stats_.caches_invalidated += 1;
     state_ = State::kInvalidating;
     busy_until_ = clock_.edge_after(now, config_.invalidate);

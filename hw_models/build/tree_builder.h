@@ -48,7 +48,7 @@ struct BuildMemory {
 /// Counters of the tree builder. Bytes are those that the algorithm needs; lines and parts of lines are what it moves.
 struct TreeBuilderStats {
   std::uint64_t trees_built = 0, trees_refitted = 0, triangles = 0, instances = 0;
-  std::uint64_t boxes = 0, records_sorted = 0, records_merged = 0, leaves_written = 0;
+  std::uint64_t boxes = 0, records_sorted = 0, records_merged = 0, leaves_written = 0, comparisons = 0;
   std::uint64_t input_bytes = 0, record_bytes_written = 0, record_bytes_read = 0, node_bytes_read = 0;
   std::uint64_t tree_bytes_written = 0;
   std::uint64_t buffer_hits = 0, buffer_misses = 0, buffer_fills = 0, writes = 0;
@@ -63,6 +63,7 @@ struct TreeBuilderStats {
     counter(NAMED(s.records_sorted), "records sorted on chip", "build.sort");
     counter(NAMED(s.records_merged), "records merged from runs", "build.merge");
     counter(NAMED(s.leaves_written), "triangles and instances added to the hierarchy, or refitted", "build.hierarchy");
+    counter(NAMED(s.comparisons), "comparisons of clusters by PLOC", "build.compare");
     counter(NAMED(s.input_bytes), "bytes of vertices, vertex numbers and instances used");
     counter(NAMED(s.record_bytes_written), "bytes of sorted records written");
     counter(NAMED(s.record_bytes_read), "bytes of sorted records read");
@@ -87,6 +88,7 @@ struct TreeBuilderStats {
 /// chip.
 /// 2. More than `ways` runs are merged by intermediate passes, which read and write all records.
 /// 3. The last pass merges the records, reads the triangles again in leaf order, and writes nodes and leaves in order.
+/// For a tree of PLOC, it also compares clusters in a window of the sorted stream.
 /// 4. A pass starts when all lines of the previous pass have been written.
 /// 5. After each tree, all first-level caches are invalidated, because they may hold lines of the old tree.
 ///
@@ -179,6 +181,7 @@ class TreeBuilder {
   const traces::BuildWork& work() const { return job_.work->build[node().first]; }
   bool has_triangles() const { return work().input == traces::BuildWork::Input::kTriangles; }
   void begin_pass(Pass pass);
+  std::uint32_t comparison_cycles() const;
   /// Returns the record that the merge reads as item `item`.
   RunRecord record_of(std::uint32_t item) const;
   void add_record_lines(std::uint32_t item, BuildLines& lines) const;

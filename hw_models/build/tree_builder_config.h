@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/srp/srp_config.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 
@@ -20,6 +22,7 @@ struct TreeBuilderConfig {
   std::uint32_t lookups = 2;
   std::uint32_t window = 32;
   std::uint32_t write_buffer = 8;
+  std::uint32_t comparators = 0;
   std::uint32_t invalidate = 16;
 
   static void describe(auto& c, auto&& field) {
@@ -41,6 +44,9 @@ struct TreeBuilderConfig {
           Affects::kTiming);
     field(NAMED(c.write_buffer), "lines", "lines of each output that wait to be written", sim::between(2, 256),
           Affects::kTiming);
+    field(NAMED(c.comparators), "",
+          "clusters of PLOC compared per cycle (bvh.builder: ploc); 0: the unit builds no trees of PLOC",
+          sim::between(0, 1024), Affects::kTiming);
     field(NAMED(c.invalidate), "cycles", "cycles to invalidate all first-level caches after a tree",
           sim::between(1, 1024), Affects::kTiming);
   }
@@ -52,6 +58,8 @@ struct TreeBuilderConfig {
     }
   }
 
+  /// Returns the parts of the tree builder whose number is configurable, for its area.
+  std::vector<sim::UnitPart> parts() const { return {{"comparator", comparators}}; }
   /// Returns the bytes of on-chip storage: the run being sorted, a line of each merged run, input and write buffers.
   std::uint64_t sram_bytes() const {
     return std::uint64_t{run} * record_bytes + std::uint64_t{ways} * kLineBytes + buffer.size.bytes +

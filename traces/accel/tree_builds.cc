@@ -55,6 +55,13 @@ std::array<BuildWork::Range, 3> output_of(const MemoryImage& image, const TreeEx
   return out;
 }
 
+/// Returns the comparisons of clusters in the build of a tree, the `tree`th of MemoryImage::build_statistics.
+std::uint64_t comparisons_of(const MemoryImage& image, std::size_t tree, std::uint32_t ploc_radius) {
+  std::uint64_t clusters = 0;
+  for (const std::uint32_t round : image.build_statistics.at(tree).ploc_clusters) clusters += round;
+  return clusters * ploc_radius;
+}
+
 /// Adds the tree over triangles with the given extent.
 void add_triangle_tree(const MemoryImage& image, const TreeExtent& tree, bool refit, TreeBuilds& builds) {
   TreeBuild& build = builds.trees.emplace_back();
@@ -82,12 +89,15 @@ void add_triangle_tree(const MemoryImage& image, const TreeExtent& tree, bool re
 
 }  // namespace
 
-TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap) {
+TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap, std::uint32_t ploc_radius) {
   TreeBuilds builds;
   const auto nodes = static_cast<std::uint32_t>(image.node_count());
   const auto triangles = static_cast<std::uint32_t>(image.triangles.size());
   if (!image.has_two_levels()) {
-    if (triangles != 0) add_triangle_tree(image, {0, triangles, 0, nodes}, refit, builds);
+    if (triangles != 0) {
+      add_triangle_tree(image, {0, triangles, 0, nodes}, refit, builds);
+      if (!refit) builds.trees.back().job.comparisons = comparisons_of(image, 0, ploc_radius);
+    }
   } else {
     if (!image.layout.single_boxes.empty()) {
       throw sim::InputError(
@@ -101,6 +111,7 @@ TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap) {
       top.job.output[1] = {image.layout.instances - image.layout.nodes, top.items * sizeof(InstanceRecord)};
     }
     top.job.output[2] = {};
+    top.job.comparisons = comparisons_of(image, 0, ploc_radius);
     builds.sizes.instances = top.items;
     for (std::size_t i = 0; i < image.trees.size(); ++i) {
       const ObjectTree& tree = image.trees[i];
@@ -108,6 +119,7 @@ TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap) {
       const std::uint32_t end_node = i + 1 < image.trees.size() ? image.trees[i + 1].first_node : nodes;
       add_triangle_tree(image, {tree.first_triangle, tree.first_triangle + tree.triangles, tree.first_node, end_node},
                         refit, builds);
+      if (!refit) builds.trees.back().job.comparisons = comparisons_of(image, i + 1, ploc_radius);
     }
   }
   if (overlap) {

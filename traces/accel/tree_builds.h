@@ -33,9 +33,12 @@ struct TreeBuilds {
 ///    are built or refitted. Shared meshes do not move.
 /// 3. Triangles share vertices with bit-identical positions. Vertices are numbered in order of first use by the input.
 ///
+/// 4. A tree that bvh.builder: ploc built compares each cluster with `ploc_radius` neighbours in each round, because a
+///    pair is compared once.
+///
 /// `overlap`: the trees are written to a second copy. Throws InputError for a layout that stores two levels with single
 /// boxes.
-TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap);
+TreeBuilds tree_builds(const MemoryImage& image, bool refit, bool overlap, std::uint32_t ploc_radius = 16);
 
 /// Replaces the work of an entry of the tile list by one node that builds a tree.
 void set_build_arrays(const TreeBuild& build, TileWork& work);

@@ -140,6 +140,7 @@ void write_build_job(const BuildWork& job, ByteWriter& to) {
   to.write_byte(static_cast<std::uint32_t>(job.input));
   to.write_byte(job.refit ? 1 : 0);
   to.write_number(job.first_item);
+  to.write_number(job.comparisons);
   for (const BuildWork::Range& range : job.output) {
     to.write_number(range.offset);
     to.write_number(range.bytes);
@@ -159,6 +160,7 @@ void read_build_job(ByteReader& from, const BuildArraySizes& sizes, WorkNode& no
   job.refit = refit != 0;
   const std::uint32_t most = job.input == BuildWork::Input::kTriangles ? sizes.triangles : sizes.instances;
   job.first_item = from.read_number32(most, kWhat);
+  job.comparisons = from.read_number(kMostBytes, kWhat);
   if (node.items > most - job.first_item) ByteReader::throw_out_of_range(kWhat);
   for (BuildWork::Range& range : job.output) {
     range.offset = from.read_number(kMostBytes, kWhat);

@@ -41,6 +41,23 @@ TEST(TreeBuilder, TakesItsClocksPerTriangle) {
   }
 }
 
+TEST(TreeBuilder, ComparesClustersAtTheRateOfItsComparators) {
+  TreeBuilderConfig config;
+  constexpr std::uint32_t kTriangles = 400, kPerTriangle = 46;
+  TileWork tree = strip(kTriangles);
+  tree.build[0].comparisons = kTriangles * kPerTriangle;
+  const auto cycles = [&](std::uint32_t comparators) {
+    config.comparators = comparators;
+    BuilderHarness harness(config, true);
+    harness.add(tree).run();
+    EXPECT_EQ(harness.stats().comparisons, tree.build[0].comparisons);
+    return harness.cycles();
+  };
+  const std::uint64_t hidden = kTriangles * config.clocks;
+  EXPECT_NEAR(static_cast<double>(cycles(16)), static_cast<double>(hidden), 100) << "three cycles of six";
+  EXPECT_NEAR(static_cast<double>(cycles(2)), static_cast<double>(hidden + kTriangles * (23 - 6)), 100);
+}
+
 TEST(TreeBuilder, KeepsRecordsOfOneRunOnChip) {
   const TileWork one_run = strip(16), two_runs = strip(17);
   EXPECT_EQ(BuilderHarness(small_builder()).add(one_run).run().stats().record_bytes_written, 0U);

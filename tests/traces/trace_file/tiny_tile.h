@@ -173,7 +173,7 @@ inline TileWork tile_of_build() {
   TileWork t;
   t.nodes = {{.kind = WorkNode::Kind::kBuild, .items = 4, .first = 0, .inputs = {}}};
   t.access_begin = {0};
-  t.build = {{.refit = true, .first_item = 3, .output = {{{64, 192}, {320, 192}, {4096, 48}}}}};
+  t.build = {{.refit = true, .first_item = 3, .output = {{{64, 192}, {320, 192}, {4096, 48}}}, .comparisons = 77}};
   t.build_triangles = {{0, 1, 2}, {2, 1, 3}, {3, 4, 5}, {0, 2, 4}};
   t.build_order = {2, 0, 3, 1};
   return t;

@@ -216,7 +216,16 @@ void RunConfig::describe(auto& c, auto&& field) {
 
 void RunConfig::check(auto&& complain) const {
   gpu->check(complain);
+  if (build.engine == traces::BuildEngine::kUnit && bvh.builder == traces::TreeBuilder::kPloc &&
+      gpu->tree_builder.comparators == 0) {
+    complain("build.engine",
+             "is unit, which has no comparators for bvh.builder: ploc; allowed: tree_builder.comparators "
+             "of 1 or more");
+  }
   if (build.engine != traces::BuildEngine::kSrp) return;
+  if (bvh.builder == traces::TreeBuilder::kPloc) {
+    complain("build.engine", "is srp, whose kernels sort Morton codes; allowed with bvh.builder: ploc: host, unit");
+  }
   using enum traces::BuildPolicy;
   const bool rebuilds = bvh.update == traces::BvhUpdate::kRebuild;
   if (build.policy != kRebuild && !(build.policy == kUpdate && rebuilds)) {
@@ -387,9 +396,10 @@ namespace {
 
 /// Returns the report of an idle unit that a frame may not need, so that its table entries are valid for all frames.
 template <class Unit>
-sim::UnitReport absent_unit(const std::string& path) {
+sim::UnitReport absent_unit(const std::string& path, const std::vector<sim::UnitPart>& parts = {}) {
   sim::UnitReport unit;
   unit.path = path;
+  unit.parts = parts;
   unit.block = names_of(hw::Block{})[static_cast<std::size_t>(Unit::kBlock)];
   const typename Unit::Stats none;
   Unit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,
@@ -404,7 +414,7 @@ sim::UnitReport absent_unit(const std::string& path) {
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config) {
   std::vector<sim::UnitReport> all(units.begin(), units.end());
   all.push_back(absent_unit<hw::RasterUnit>(hw::unit_name_in_core(hw::RasterUnit::kName, 0)));
-  all.push_back(absent_unit<hw::TreeBuilder>(hw::TreeBuilder::kName));
+  all.push_back(absent_unit<hw::TreeBuilder>(hw::TreeBuilder::kName, config.gpu->tree_builder.parts()));
   std::vector<std::string> declared;
   for (const sim::UnitReport& unit : all) {
     for (const sim::CounterReport& counter : unit.counters) {

@@ -148,6 +148,11 @@ std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels
   return simulate_variants(inputs, requirements, work, plain.result, plays, "replicating", threads, progress);
 }
 
+OptionalUnits optional_units_of(const RunConfig& config) {
+  return {.rasterisers = config.render.primary == kernels::Primary::kRaster,
+          .tree_builder = config.build.engine == traces::BuildEngine::kUnit};
+}
+
 std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, const OptionalUnits& units,
                                                const traces::BvhConfig& bvh) {
   traces::MemoryImage nothing;

@@ -22,6 +22,7 @@ namespace tools {
 struct OptionalUnits {
   bool rasterisers = false, tree_builder = false;
 };
+OptionalUnits optional_units_of(const RunConfig& config);
 
 /// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
 /// their energy events. `bvh`: the trees for which its T&I units are built.

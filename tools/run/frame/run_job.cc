@@ -125,7 +125,8 @@ bool is_refit(const Inputs& in) {
     case traces::BuildPolicy::kPeriod:
       return in.frame % build.period != 0;
     case traces::BuildPolicy::kCost:
-      return in.cost <= in.built_cost * (1 + build.cost_growth);
+      return std::ranges::all_of(traces::cost_growth(in.built_costs, in.costs),
+                                 [&](double growth) { return growth <= 1 + build.cost_growth; });
   }
   return in.config.bvh.update == traces::BvhUpdate::kRefit;
 }
@@ -134,11 +135,12 @@ bool is_refit(const Inputs& in) {
 void note_built_trees(Inputs& in, bool refit) {
   const traces::BuildConfig& build = in.config.build;
   if (build.policy == traces::BuildPolicy::kCost) {
-    in.cost = traces::bvh_info(in.image, in.config.bvh).sah_cost;
-    if (!refit) in.built_cost = in.cost;
+    in.costs = traces::tree_costs(in.image, in.config.bvh);
+    if (!refit) in.built_costs = in.costs;
   }
   if (build.engine == traces::BuildEngine::kHost) return;
-  in.builds = traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn);
+  in.builds =
+      traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn, in.config.bvh.ploc_radius);
   in.builds.engine = build.engine;
 }
 

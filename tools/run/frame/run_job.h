@@ -49,7 +49,8 @@ struct Inputs {
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
   traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
-  double built_cost = 0, cost = 0;     ///< SAH cost after the last rebuild, and now; only for build.policy: cost
+  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); only for build.policy: cost.
+  std::vector<double> built_costs, costs;
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none
