@@ -99,6 +99,16 @@ class CacheTags {
     tags_of(slot / stride_)[slot % stride_] = kInvalid;
     use_times_of(slot / stride_)[slot % stride_] = 0;
   }
+  /// Removes all lines from the cache. Returns their number.
+  std::size_t clear() {
+    std::size_t lines = 0;
+    for (std::size_t slot = 0; slot < slot_count(); ++slot) {
+      if (slot % stride_ >= ways_ || tags_of(slot / stride_)[slot % stride_] == kInvalid) continue;
+      clear_slot(slot);
+      lines += 1;
+    }
+    return lines;
+  }
   /// Returns the address of the line in a slot, which must not be empty.
   Addr line_at(std::size_t slot) const { return Addr{tags_of(slot / stride_)[slot % stride_]} << line_shift_; }
 
@@ -337,6 +347,9 @@ class L1Cache {
     tags_ = tags;
     std::ranges::fill(prefetched_, 0);
   }
+
+  /// Removes all lines from the first-level cache and returns their number. Outstanding misses continue.
+  std::size_t clear() { return tags_.clear(); }
 
   /// True if the line is cached. The line is not marked as used.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }

@@ -167,6 +167,7 @@ class FetchStage {
   bool warm_line(Addr line) { return l1_.warm_line(line); }
   const CacheTags& l1_tags() const { return l1_.tags(); }
   void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
+  std::size_t clear_l1() { return l1_.clear(); }
 
   /// True if a prefetch into the unit's L1 would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }

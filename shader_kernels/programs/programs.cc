@@ -10,6 +10,7 @@
 #include "shader_kernels/programs/adaptive/reconstruct.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "shader_kernels/programs/adaptive/undersample.h"
+#include "shader_kernels/programs/build_pass.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/path/path_program.h"
@@ -95,12 +96,23 @@ std::uint32_t desired_tile_side(const ProgramSpec& spec, const Frame& f) {
 
 }  // namespace
 
-std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
-  std::unique_ptr<FrameProgram> program = make_plain_program(spec, f);
+namespace {
+
+/// Adds the geometry pass of a rasteriser, if primary hits are rasterised.
+std::unique_ptr<FrameProgram> add_geometry_pass(std::unique_ptr<FrameProgram> program, const ProgramSpec& spec,
+                                                const Frame& f) {
   if (f.render.primary == Primary::kRays) return program;
   auto rasteriser =
       make_rasteriser(f.image, f.camera, f.render.width, f.render.height, f.render.raster, desired_tile_side(spec, f));
   return std::make_unique<GeometryPass>(std::move(program), std::move(rasteriser), f.number);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
+  std::unique_ptr<FrameProgram> program = add_geometry_pass(make_plain_program(spec, f), spec, f);
+  if (f.builds == nullptr) return program;
+  return std::make_unique<BuildPass>(std::move(program), f.image, *f.builds, f.number);
 }
 
 }  // namespace kernels

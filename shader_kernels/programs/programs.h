@@ -10,6 +10,7 @@
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/scene.h"
 
 namespace kernels {
@@ -39,7 +40,8 @@ struct Frame {
   const ProgramConfig& programs;
   const RateMap& rates;
   std::uint32_t number = 0;
-  float scene_size = 1;  ///< longest side of the scene's bounds, in frame 0
+  float scene_size = 1;                        ///< longest side of the scene's bounds, in frame 0
+  const traces::TreeBuilds* builds = nullptr;  ///< trees that the machine builds; null: the host builds them
 };
 
 std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& frame);

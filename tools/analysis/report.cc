@@ -371,6 +371,10 @@ Json dram_clients_json(const FrameResult& run) {
       {"spills", moved(Area::kSpill)}};
   if (const std::uint64_t bytes = moved(Area::kSamples); bytes != 0) clients["samples"] = bytes;
   if (const std::uint64_t bytes = moved(Area::kRates); bytes != 0) clients["rates"] = bytes;
+  // What remains are arrays and trees of kernels that build trees.
+  std::uint64_t built = kLine * (dmas.sum_of(&Dma::lines_written) + dmas.sum_of(&Dma::lines_read));
+  for (const Area area : {Area::kPicture, Area::kSpill, Area::kSamples, Area::kRates}) built -= moved(area);
+  if (built != 0) clients["build"] = built;
   return clients;
 }
 

@@ -185,7 +185,13 @@ std::unique_ptr<kernels::FrameProgram> sliceable_program(const Inputs& inputs, c
                                       no_rates, inputs.frame, inputs.scene_size});
 }
 
-void check_sliceable(const kernels::RenderConfig& render) {
+void check_sliceable(const RunConfig& config) {
+  const kernels::RenderConfig& render = config.render;
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--slices: all tiles wait for the frame's trees, which no slice builds; allowed: "
+        "build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -326,7 +332,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 }
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
-  check_sliceable(config.render);
+  check_sliceable(config);
   const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());

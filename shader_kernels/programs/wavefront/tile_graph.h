@@ -285,6 +285,9 @@ class StreamBuilder {
   Node add_rasterisation(std::uint32_t samples, Node launch);
   /// Adds a node that bins triangles to screen regions. The last entry of TileWork::raster describes the binning.
   Node add_binning(std::uint32_t triangles);
+  /// Adds a node that builds a tree over `items` triangles or instances, as the last entry of TileWork::build
+  /// describes.
+  Node add_build(std::uint32_t items);
   /// Adds a transfer of samples to memory. Border `number` of the tile is complete when the transfer has ended.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a transfer of samples from memory. The transfer waits until another tile has written its border.

@@ -107,6 +107,22 @@ void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_co
   grow_to(filters.ratios, sample_count * light_count);
 }
 
+void TileResult::clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry) {
+  tile = entry;
+  x = y = width = height = 0;
+  rays = {};
+  continued = traversal_steps = triangle_tests = 0;
+  pixel_work.clear();
+  linear.clear();
+  packed.clear();
+  marks.clear();
+  background.clear();
+  sampling = {};
+  work.frame = frame;
+  work.tile = entry;
+  work.samples = 0;
+}
+
 glm::vec3 TileResult::averaged_colour(std::uint32_t sample) const {
   const Vec3<float>& rgb = buffer.samples.colours[sample].rgb;
   return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);

@@ -185,6 +185,8 @@ struct TileResult {
   TileBuffer buffer;
   /// Returns a sample's colour, clamped to [0, 1]. A pixel is the mean of sample colours that are clamped in this way.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
+  /// Makes this the result of an entry that renders no pixels, numbered as a tile after those of the frame.
+  void clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry);
 };
 
 /// Number of loop iterations that a kernel has run, including iterations without work.

@@ -29,8 +29,12 @@ namespace {
 /// Returns an empty in-memory trace for the work of a frame. `requested_by`: option or verb in errors.
 InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                    const kernels::FrameProgram& frame, const char* requested_by) {
-  traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
-                          requirements.raster};
+  traces::TileScope scope{traces::links_of(inputs.image),
+                          traces::counts_of(inputs.image),
+                          0,
+                          requirements.region_bytes,
+                          requirements.raster,
+                          requirements.build};
   if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
   scope.kernels = static_cast<std::uint32_t>(kernels::kernel_catalogue().size());
   scope.tile_bytes = traces::most_tile_bytes(requirements);
@@ -55,7 +59,8 @@ struct PreparedProgram {
       : first(inputs.config.programs.multirate),
         frame(kernels::make_program(
             spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), inputs.config.programs,
-                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
+                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size,
+                   inputs.config.build.engine == traces::BuildEngine::kHost ? nullptr : &inputs.builds})) {
     if (extras.marks) frame->enable_marks();
   }
   const kernels::RateMap first;
@@ -98,6 +103,47 @@ std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::Fr
   return steps;
 }
 
+/// True if geometry moves from the frame before the first frame of a run to the first frame. Frame 0 has no frame
+/// before it, and moves as frame 1 does. Leaves the scene as it was.
+bool moves_before_first_frame(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+  if (scene.tracks.empty()) return false;
+  const std::uint32_t first = workload.first_frame;
+  traces::pose_workload(scene, workload, first == 0 ? 1 : first - 1);
+  return traces::pose_workload(scene, workload, first).geometry;
+}
+
+/// True if the tree of a frame whose scene has moved is refitted instead of rebuilt.
+bool is_refit(const Inputs& in) {
+  const traces::BuildConfig& build = in.config.build;
+  switch (build.policy) {
+    case traces::BuildPolicy::kUpdate:
+      break;
+    case traces::BuildPolicy::kRefit:
+      return true;
+    case traces::BuildPolicy::kRebuild:
+      return false;
+    case traces::BuildPolicy::kPeriod:
+      return in.frame % build.period != 0;
+    case traces::BuildPolicy::kCost:
+      return std::ranges::all_of(traces::cost_growth(in.built_costs, in.costs),
+                                 [&](double growth) { return growth <= 1 + build.cost_growth; });
+  }
+  return in.config.bvh.update == traces::BvhUpdate::kRefit;
+}
+
+/// Records the trees that the machine builds or refits for the current frame, and their cost.
+void note_built_trees(Inputs& in, bool refit) {
+  const traces::BuildConfig& build = in.config.build;
+  if (build.policy == traces::BuildPolicy::kCost) {
+    in.costs = traces::tree_costs(in.image, in.config.bvh);
+    if (!refit) in.built_costs = in.costs;
+  }
+  if (build.engine == traces::BuildEngine::kHost) return;
+  in.builds =
+      traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn, in.config.bvh.ploc_radius);
+  in.builds.engine = build.engine;
+}
+
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -129,6 +175,9 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
   in.scene_size = scene_size_in_frame_0(scene, in.config.scene);
+  const bool charges = in.config.build.engine != traces::BuildEngine::kHost;
+  const bool moves = (charges || in.config.build.policy == traces::BuildPolicy::kCost) &&
+                     moves_before_first_frame(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
   in.scene.name = sim::with_escaped_bytes(in.scene.name);
@@ -144,6 +193,8 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parent_indices(in.image);
+  in.builds.engine = in.config.build.engine;
+  if (moves) note_built_trees(in, false);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
@@ -158,7 +209,7 @@ std::string inputs_text(const RunConfig& config) {
   std::string key;
   for (const sim::FieldInfo& field : sim::list_fields(config)) {
     const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
-    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps" ||
+    if (is_of("scene.") || is_of("bvh.") || is_of("build.") || is_of("limits.") || field.path == "render.mip_maps" ||
         field.path == "render.rough_reflections") {
       key += field.path + "=" + field.value + "\n";
     }
@@ -171,6 +222,7 @@ bool pose_frame(Inputs& in, std::uint32_t frame) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
+  in.builds = {.engine = in.config.build.engine, .trees = {}, .sizes = {}};
   in.camera = in.moving.cameras.front();
   if (moved.lights) in.image.lights = in.moving.lights;
   in.update_seconds += sim::seconds_since(begin);
@@ -180,8 +232,12 @@ bool pose_frame(Inputs& in, std::uint32_t frame) {
 void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
   if (progress != nullptr) progress->set_phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
+  const bool refit = is_refit(in);
+  traces::BvhConfig bvh = in.config.bvh;
+  bvh.update = refit ? traces::BvhUpdate::kRefit : traces::BvhUpdate::kRebuild;
+  traces::update_memory_image(in.moving, bvh, host_threads(threads), in.image, is_interrupted);
   in.parents = traces::parent_indices(in.image);
+  note_built_trees(in, refit);
   in.update_seconds += sim::seconds_since(begin);
 }
 

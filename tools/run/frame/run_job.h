@@ -22,6 +22,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/sustained.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
 
@@ -47,6 +48,9 @@ struct Inputs {
   traces::MemoryImage image;
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
+  traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
+  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); only for build.policy: cost.
+  std::vector<double> built_costs, costs;
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none

@@ -78,6 +78,7 @@ std::vector<Case> sgrt_unit_cases(bool quick);
 std::vector<Case> hybrid_cases(bool quick);
 std::vector<Case> wide_cases(bool quick);
 std::vector<Case> coherence_cases(bool quick);
+std::vector<Case> build_cases(bool quick);
 
 /// Returns all papers whose experiments can be reproduced.
 const std::vector<Paper>& all_papers();
