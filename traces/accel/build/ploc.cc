@@ -29,16 +29,17 @@ class PlocRounds {
     for (std::uint32_t first = 0; first < count_; first += kBlock) {
       find_partners(first, std::min(count_, first + kBlock));
     }
-    if (count_pairs() * kMostPerPair < count_) {
+    if (count_ >= kFewClusters && count_pairs() * kMostPerPair < count_) {
       for (std::uint32_t i = 0; i < count_; ++i) partners_[i] = std::min(i ^ 1U, count_ - 1);
     }
     merge_pairs();
   }
 
  private:
-  static constexpr std::uint32_t kBlock = 512;       ///< clusters whose areas are in the first-level cache at once
-  static constexpr std::uint32_t kMostPerPair = 16;  ///< most clusters per merged pair in a round
-  using Areas = std::array<float, kRadius>;          ///< areas with the next clusters; at d - 1: d positions away
+  static constexpr std::uint32_t kBlock = 512;        ///< clusters whose areas are in the first-level cache at once
+  static constexpr std::uint32_t kMostPerPair = 64;   ///< most clusters per merged pair in a round
+  static constexpr std::uint32_t kFewClusters = 256;  ///< below this number a round may merge any number of pairs
+  using Areas = std::array<float, kRadius>;           ///< areas with the next clusters; at d - 1: d positions away
 
   void set_cluster(std::uint32_t i, std::uint32_t link) {
     const Bounds& box = tree_.box_of(link);

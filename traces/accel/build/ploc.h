@@ -17,8 +17,8 @@ namespace traces {
 ///    own has the least area. Two clusters that find each other are merged, at the position of the first.
 /// 3. Of equal areas, the nearer position wins, then pairs that begin at an even position, then the earlier position.
 ///    So many clusters of equal boxes merge at once.
-/// 4. If less than one cluster in sixteen would be merged, as with nested boxes, clusters 2k and 2k + 1 are merged
-///    instead. So the work of all rounds is at most proportional to the number of items.
+/// 4. If 256 clusters or more have less than one pair per 64 clusters, as nested boxes do, clusters 2k and 2k + 1 are
+///    merged instead. So the work of all rounds is at most proportional to the number of items.
 BinaryTree build_ploc(std::span<const Bounds> boxes, const BvhConfig& config, sim::Stop stop,
                       std::vector<std::uint32_t>& clusters);
 
