@@ -10,6 +10,7 @@
 #include "sim/error.h"
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/path/reference_paths.h"
+#include "tests/shader_kernels/showcase.h"
 
 namespace kernels {
 namespace {
@@ -279,6 +280,28 @@ TEST(PathMean, OfRoughSurfacesIsThatOfAPathTracerWithEmbree) {
     EXPECT_LT(z.most, 4) << roughness;
     EXPECT_LT(z.root_mean_square, 1.5) << roughness;
   }
+}
+
+TEST(RoughMaterials, HaveRoughnessOnlyInImagesBuiltForIt) {
+  const traces::Scene scene = wall_under_white_sky(rough_metal(0.4F, {0.9F, 0.6F, 0.3F}));
+  const auto flags = [&](Roughness roughness) {
+    return traces::build_memory_image(scene, {}, 1, nullptr, traces::MipMaps::kOff, roughness).materials[0].flags;
+  };
+  EXPECT_EQ(flags(Roughness::kOn) >> traces::kRoughnessShift, 102U);
+  EXPECT_EQ(flags(Roughness::kOff) >> traces::kRoughnessShift, 0U);
+}
+
+TEST(RoughMaterials, WithAWhiteTextureAreThoseOfTheFactors) {
+  traces::Material metal = rough_metal(0.4F, {0.9F, 0.6F, 0.3F});
+  const auto samples = [&](const traces::Scene& scene) {
+    const PathView view(scene, scene.cameras.front(), path_config(8, 8, 2), 4, {}, Roughness::kOn);
+    return view.rgb;
+  };
+  const std::vector<float> plain = samples(wall_under_white_sky(metal));
+  traces::Scene scene = wall_under_white_sky(metal);
+  scene.materials[0].metal_rough_texture = {add_texture(scene, 1, false, [](auto, auto) { return 0xffffffffU; })};
+  const std::vector<float> textured = samples(scene);
+  for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_NEAR(textured[i], plain[i], 1e-5F);
 }
 
 TEST(RoughReflections, OfWhittedFramesLeaveSmoothScenesUnchanged) {
