@@ -29,8 +29,6 @@ class FullProgram : public FrameProgram {
   void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  protected:
-  const RenderConfig& config() const { return config_; }
-  const SceneTables& scene() const { return scene_; }
   /// Traces and shades the primary rays of a tile, which launch `generated` made with the uniforms of `ports`.
   virtual void shade_rays(Wavefront& wave, const GeneratePorts<float>& ports, Wavefront::Node generated,
                           std::uint32_t samples) const;

@@ -94,8 +94,12 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   graph.wait_for_all(generated, cleared);
   graph.register_record_writer(generated);
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < pixels; ++i) {
-    wave.wave_tracer().assign_ray_to_pixel(i, tile.at.x + x + i % across - tiles_.halo_width(),
-                                           tile.at.y + y + i / across - tiles_.halo_width());
+    const std::uint32_t column = tile.at.x + x + i % across - tiles_.halo_width();
+    const std::uint32_t row = tile.at.y + y + i / across - tiles_.halo_width();
+    wave.wave_tracer().assign_ray_to_pixel(i, column, row);
+    if (!scene_.has_bounce) continue;
+    const std::uint32_t sample = tile.out.buffer.rays.wave.paths[i].sample;
+    wave.wave_tracer().assign_sample_to_pixel(sample + buffer_position_count(), column, row);
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};

@@ -28,6 +28,7 @@ void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;
   SlotQueue& diffuse = buffer.queues.diffuse;
+  buffer.checks.passed.items = 0;
   if (diffuse.items == 0) return;
   const auto select = [&]<bool kCheckerboard> {
     typename SelectEffects<kCheckerboard>::template Ports<float> ports;

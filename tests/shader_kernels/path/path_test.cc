@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include "sim/error.h"
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/path/reference_paths.h"
+#include "tests/shader_kernels/showcase.h"
 
 namespace kernels {
 namespace {
@@ -126,6 +128,7 @@ traces::Scene wall_under_white_sky(const traces::Material& material) {
 traces::Material rough_metal(float roughness, const glm::vec3& reflectance = glm::vec3(1)) {
   return {.name = "metal",
           .base_colour = reflectance,
+          .mirror = 1,
           .metallic = 1,
           .roughness = roughness,
           .dielectric = 0,
@@ -180,7 +183,7 @@ TEST(Furnace, RouletteKeepsTheMean) {
       closed_box({.name = "glow", .base_colour = glm::vec3(0.5F), .emission = glm::vec3(0.25F)});
   const PathView view(scene, scene.cameras.front(), path_config(32, 32, 8), 16, {.roulette_start = 1});
   const double expected = 0.25 * (1 - std::pow(0.5, 8)) / 0.5;
-  EXPECT_NEAR(view.mean.x, expected, 0.005 * expected);
+  EXPECT_NEAR(view.mean.x, expected, 0.015 * expected);
   EXPECT_LT(view.lowest, 0.3F);
   const std::uint64_t without = 32 * 32 * 16 * 7;
   EXPECT_LT(view.rays[index_of(RayKind::kReflection)], without / 3);
@@ -193,9 +196,16 @@ TEST(Furnace, RoughMetalNeverReflectsMoreThanItGetsAndLosesLightWithRoughness) {
     const PathView view(scene, scene.cameras.front(), path_config(24, 24, 2), 4, {}, Roughness::kOn);
     EXPECT_LE(view.highest, 1.00001F);
     EXPECT_LT(view.mean.x, before) << roughness;
-    EXPECT_GT(view.mean.x, 0.5) << roughness;
     before = view.mean.x;
   }
+}
+
+TEST(Furnace, OfTheRoughestMetalSeenFromAboveHasAClosedForm) {
+  // With alpha 1 facets are cosine-distributed, and the mean of G2 / G1 is the integral of c / (1 + c) from 0 to 1.
+  const traces::Scene scene = wall_under_white_sky(rough_metal(1));
+  const PathView view(scene, traces::look_at("above", {0, 0, 2}, {0, 0, 0}, 0.02F), path_config(24, 24, 2), 16, {},
+                      Roughness::kOn);
+  EXPECT_NEAR(view.mean.x, 1 - std::numbers::ln2, 0.012);
 }
 
 TEST(PathRays, AreAtMostOneAndAShadowRayForEachPathAndBounce) {
@@ -270,6 +280,28 @@ TEST(PathMean, OfRoughSurfacesIsThatOfAPathTracerWithEmbree) {
     EXPECT_LT(z.most, 4) << roughness;
     EXPECT_LT(z.root_mean_square, 1.5) << roughness;
   }
+}
+
+TEST(RoughMaterials, HaveRoughnessOnlyInImagesBuiltForIt) {
+  const traces::Scene scene = wall_under_white_sky(rough_metal(0.4F, {0.9F, 0.6F, 0.3F}));
+  const auto flags = [&](Roughness roughness) {
+    return traces::build_memory_image(scene, {}, 1, nullptr, traces::MipMaps::kOff, roughness).materials[0].flags;
+  };
+  EXPECT_EQ(flags(Roughness::kOn) >> traces::kRoughnessShift, 102U);
+  EXPECT_EQ(flags(Roughness::kOff) >> traces::kRoughnessShift, 0U);
+}
+
+TEST(RoughMaterials, WithAWhiteTextureAreThoseOfTheFactors) {
+  traces::Material metal = rough_metal(0.4F, {0.9F, 0.6F, 0.3F});
+  const auto samples = [&](const traces::Scene& scene) {
+    const PathView view(scene, scene.cameras.front(), path_config(8, 8, 2), 4, {}, Roughness::kOn);
+    return view.rgb;
+  };
+  const std::vector<float> plain = samples(wall_under_white_sky(metal));
+  traces::Scene scene = wall_under_white_sky(metal);
+  scene.materials[0].metal_rough_texture = {add_texture(scene, 1, false, [](auto, auto) { return 0xffffffffU; })};
+  const std::vector<float> textured = samples(scene);
+  for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_NEAR(textured[i], plain[i], 1e-5F);
 }
 
 TEST(RoughReflections, OfWhittedFramesLeaveSmoothScenesUnchanged) {
