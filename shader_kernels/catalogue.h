@@ -71,7 +71,7 @@ using AllKernels = std::tuple<
     SeedPaths, KeepVisible, ClassifyLit, SampleLight<false>, SampleLight<true>, SampleLightRough<false>,
     SampleLightRough<true>, ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>,
     ScatterRough, AveragePaths, ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
-    ShadePhysical<MipFilter::kLinear, true>, ReflectRough,
+    ShadePhysical<MipFilter::kLinear, true>, ReflectRough, CastBounce, TakeBounce,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

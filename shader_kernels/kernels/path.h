@@ -21,11 +21,15 @@ namespace kernels {
 /// The dimensions of a bounce: each random number of a path is a hash with another one.
 enum class Dimension : std::uint32_t { kLight, kDiscX, kDiscY, kLobe, kRoulette, kDirectionX, kDirectionY };
 
-/// Returns a random number in [0, 1) of a path. `step` identifies the bounce.
+/// Returns the hash from which the random numbers of a path's bounce follow. `step` identifies the bounce.
 template <class V>
-F<V> random_number(const I<V>& seed, const I<V>& step, Dimension dimension) {
-  const std::uint32_t offset = static_cast<std::uint32_t>(dimension) * 0x85ebca77U;
-  return hash_to_unit_float<V>(scramble_bits<V>(scramble_bits<V>(seed + step) + offset));
+I<V> bounce_key(const I<V>& seed, const I<V>& step) {
+  return scramble_bits<V>(seed + step);
+}
+/// Returns a random number in [0, 1) of a bounce.
+template <class V>
+F<V> random_number(const I<V>& key, Dimension dimension) {
+  return hash_to_unit_float<V>(scramble_bits<V>(key + (static_cast<std::uint32_t>(dimension) + 1) * 0x85ebca77U));
 }
 
 /// Stores the seed of each sample: a hash of frame, pixel and sample.
@@ -125,17 +129,17 @@ struct SampleLightPorts {
 /// A light source that a surface has chosen at random.
 template <class V>
 struct ChosenLight {
-  I<V> number, seed;
+  I<V> number, key;
   LightUniforms<V> light;
   SeenLight<V> seen;
 };
 template <class V>
 ChosenLight<V> choose_light(const SurfacePointRecord<V>& point, const I<V>& sample, const auto& io) {
-  const I<V> seed = io.seeds.load(sample).word;
-  const F<V> at = floor(random_number<V>(seed, io.step, Dimension::kLight) * io.light_count);
+  const I<V> key = bounce_key<V>(io.seeds.load(sample).word, io.step);
+  const F<V> at = floor(random_number<V>(key, Dimension::kLight) * io.light_count);
   const I<V> number = to_int(min(at, io.light_count - 1.0F));
   const LightUniforms<V> light = io.light_table.load(number);
-  return {number, seed, light, see_light<V>(point, light)};
+  return {number, key, light, see_light<V>(point, light)};
 }
 
 /// Emits a shadow ray to a chosen light. `scattered`: fraction of the light that the surface scatters to the eye.
@@ -149,8 +153,8 @@ void emit_light_ray(SampleLightPorts<V, kSoft>& io, const SurfacePointRecord<V>&
   const F<V> t_min = io.epsilon * seen.inverse_distance;
   if constexpr (kSoft) {
     const DiscUniforms<V> disc = io.disc_table.load(chosen.number);
-    const UnitPoint<V> aim = map_to_disc<V>({random_number<V>(chosen.seed, io.step, Dimension::kDiscX),
-                                             random_number<V>(chosen.seed, io.step, Dimension::kDiscY)});
+    const UnitPoint<V> aim = map_to_disc<V>(
+        {random_number<V>(chosen.key, Dimension::kDiscX), random_number<V>(chosen.key, Dimension::kDiscY)});
     const Vec3<V> direction = seen.to_light + disc.across_x * aim.x + disc.across_y * aim.y;
     const F<V> before = max(disc.radius * seen.inverse_distance, t_min);
     io.shadow_rays.store(out, {point.position, t_min, direction, chosen.light.reach - before});
@@ -252,7 +256,7 @@ struct ChooseLobe {
     const PathRecord<V> path = io.paths.load(slot);
     const DiffuseRecord<V> matte = io.mattes.load(slot);
     const SpecularRecord<V> optics = io.optics.load(slot);
-    const I<V> seed = io.seeds.load(path.sample).word;
+    const I<V> key = bounce_key<V>(io.seeds.load(path.sample).word, io.step);
     const Interface<V> glass = make_interface<V>(direction, point.normal, point.side, optics.ior);
 
     // The light of each lobe, in the path's largest channel.
@@ -272,15 +276,14 @@ struct ChooseLobe {
         mirror + max_channel(path.throughput * (optics.tint * (optics.entering * (1.0F - glass.reflectance))));
     const F<V> all = refracted + max_channel(path.throughput * diffuse);
 
-    const F<V> at = random_number<V>(seed, io.step, Dimension::kLobe) * all;
+    const F<V> at = random_number<V>(key, Dimension::kLobe) * all;
     const M<V> below_straight = at < straight, below_mirror = at < mirror, below_refracted = at < refracted;
     const F<V> weight =
         select(below_straight, straight,
                select(below_mirror, mirror - straight, select(below_refracted, refracted - mirror, all - refracted)));
     // `all` is the throughput after division by the probability weight / all, so that it also is the roulette's.
     const F<V> survival = min(max(all, io.least_survival), F<V>(1.0F));
-    const M<V> survives =
-        logical_and(random_number<V>(seed, io.step, Dimension::kRoulette) < survival, F<V>(0.0F) < weight);
+    const M<V> survives = logical_and(random_number<V>(key, Dimension::kRoulette) < survival, F<V>(0.0F) < weight);
     io.paths.store(slot, {path.throughput * (all / max(weight * survival, F<V>(1e-30F))), path.sample});
 
     const auto append = [&](const M<V>& mask, const Local<V, WordRecord>& list, Counter<V>& count) {
@@ -343,10 +346,9 @@ struct ScatterDiffuse {
     const SurfacePointRecord<V> point = io.points.load(slot);
     const PathRecord<V> path = io.paths.load(slot);
     const DiffuseRecord<V> matte = io.mattes.load(slot);
-    const I<V> seed = io.seeds.load(path.sample).word;
-    const F<V> squared_radius = random_number<V>(seed, io.step, Dimension::kDirectionY);
-    const UnitPoint<V> disc =
-        circle_point<V>(random_number<V>(seed, io.step, Dimension::kDirectionX), sqrt(squared_radius));
+    const I<V> key = bounce_key<V>(io.seeds.load(path.sample).word, io.step);
+    const F<V> squared_radius = random_number<V>(key, Dimension::kDirectionY);
+    const UnitPoint<V> disc = circle_point<V>(random_number<V>(key, Dimension::kDirectionX), sqrt(squared_radius));
     const PerpendicularAxes<V> to_side = perpendicular_axes<V>(point.normal);
     const Vec3<V> direction =
         unit_vector(to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - squared_radius));
@@ -379,9 +381,9 @@ struct ScatterRough {
     const SurfacePointRecord<V> point = io.points.load(slot);
     const PathRecord<V> path = io.paths.load(slot);
     const Vec3<V> direction = io.rays.load(slot).direction;
-    const I<V> seed = io.seeds.load(path.sample).word;
-    const UnitPoint<V> square{random_number<V>(seed, io.step, Dimension::kDirectionX),
-                              random_number<V>(seed, io.step, Dimension::kDirectionY)};
+    const I<V> key = bounce_key<V>(io.seeds.load(path.sample).word, io.step);
+    const UnitPoint<V> square{random_number<V>(key, Dimension::kDirectionX),
+                              random_number<V>(key, Dimension::kDirectionY)};
     const SpecularRecord<V> optics = io.optics.load(slot);
     const FacetReflection<V> ray = reflect_by_facet<V>(direction, point.normal, square, optics.mirrored, optics.kept,
                                                        alpha_of<V>(io.mattes.load(slot).classes));

@@ -35,10 +35,10 @@ void check_undersample_effects(const Effects& effects) {
 void check_path_effects(const Effects& effects) {
   const bool has_shadows = effects.has(Effect::kShadows) || effects.has(Effect::kSoftShadows);
   const bool has_all = has_shadows && effects.has(Effect::kReflections) && effects.has(Effect::kRefractions);
-  if (has_all && !effects.has(Effect::kOcclusion)) return;
+  if (has_all && !effects.has(Effect::kOcclusion) && !effects.has(Effect::kBounce)) return;
   throw sim::InputError(
       "render.effects: the program path traces all light; allowed: shadows or soft_shadows, with reflections and "
-      "refractions and without occlusion, or another program");
+      "refractions and without occlusion and bounce, or another program");
 }
 
 /// Throws InputError if effect rays are to be traced at only some pixels and the program is not full:1. Only full:1 can

@@ -1,5 +1,6 @@
 #include "effects/effects_counts.h"
 #include "hand_counts.h"
+#include "path/path_counts.h"
 #include "reconstruct_counts.h"
 
 namespace kernels {
@@ -291,10 +292,12 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand), kFirstFused);
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kPathByHand),
+            kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
   expect_counts(kEffectsByHand);
+  expect_counts(kPathByHand);
 }
 
 }  // namespace

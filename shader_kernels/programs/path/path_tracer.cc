@@ -13,7 +13,6 @@ namespace {
 using Q = StageQueues;
 using Node = Wavefront::Node;
 using traces::RayKind;
-constexpr Node kNone = Wavefront::kNone;
 
 /// Binds the ports of path kernel K and launches it.
 template <class K>
@@ -41,9 +40,9 @@ LaunchResult launch_by_discs(const WaveContext& wave, const WaveBounce& bounce, 
   return wave.scene.discs.empty() ? launch_path<K<false>>(wave, bounce, in) : launch_path<K<true>>(wave, bounce, in);
 }
 
-constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, WaitsFor::kBounce, kAddsColours};
-constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, WaitsFor::kInspector, kBaseColours};
-constexpr auto kEmission = std::to_array<WaveStage>({
+constexpr WaveStage kPathBackground{&Q::misses, launch<ShadeBackground>, WaitsFor::kBounce, kAddsColours};
+constexpr WaveStage kPathTextures{&Q::textured, launch_by_mips<ShadeTextured>, WaitsFor::kInspector, kBaseColours};
+constexpr auto kPathEmission = std::to_array<WaveStage>({
     {&Q::emissive, launch<ShadeEmission>, WaitsFor::kBounce, kAddsColours},
     {&Q::glowing, launch_by_mips<ShadeGlow>, WaitsFor::kBounce, kAddsColours},
 });
@@ -84,10 +83,10 @@ void PathTracer::run(const GeneratePorts<float>& ports, Node maker, std::uint32_
   while (bounce.rays != 0) {
     readers_.clear();
     wave_.classify_hits(bounce);
-    wave_.run_stage(kBackground, bounce, buffer.queues.misses);
+    wave_.run_stage(kPathBackground, bounce, buffer.queues.misses);
     if (buffer.queues.surfaces.items == 0) return;
     wave_.shade_surfaces(bounce);
-    wave_.run_stage(kTextures, bounce, buffer.queues.textured);
+    wave_.run_stage(kPathTextures, bounce, buffer.queues.textured);
     shade_emission(bounce);
     sample_lights(bounce);
     if (bounce.depth == wave_.wave_.scene.depth) return;
@@ -107,7 +106,7 @@ Node PathTracer::seed_samples(const GeneratePorts<float>& ports, std::uint32_t s
 void PathTracer::shade_emission(WaveBounce& bounce) {
   const bool counts_all = config_.emission == PathEmission::kAll || wave_.wave_.scene.lights.empty();
   if (!counts_all && scattered_ == 0) return;
-  for (const WaveStage& stage : kEmission) {
+  for (const WaveStage& stage : kPathEmission) {
     SlotQueue& queue = wave_.wave_.buffer.queues.*stage.queue;
     if (!counts_all && scattered_ < bounce.rays) keep_visible(bounce, queue);
     add_reader(wave_.run_stage(stage, bounce, queue));
@@ -122,7 +121,7 @@ void PathTracer::keep_visible(WaveBounce& bounce, SlotQueue& queue) {
   ports.kept.bind(queue.entries.data());
   ports.scattered = scattered_;
   const Node kept = wave_.graph_.launch<KeepVisible>(ports, queue.items, bounce.lanes);
-  wave_.graph_.wait_for_all(kept, bounce.colours != kNone ? bounce.colours : bounce.inspector);
+  wave_.graph_.wait_for_all(kept, bounce.colours != Wavefront::kNone ? bounce.colours : bounce.inspector);
   bounce.colours = kept;
   queue.items = ports.kept_count.value;
 }
@@ -136,7 +135,7 @@ void PathTracer::sample_lights(WaveBounce& bounce) {
     const Node colours = bounce.colours;
     const Node sorted = wave_.run_stage(kSortLit, bounce, queues.surfaces);
     wave_.graph_.wait_for_all(sorted, colours);  // later stages wait only for `sorted`
-    bounce.colours = kNone;
+    bounce.colours = Wavefront::kNone;
   }
   for (const WaveStage& stage : kLights) {
     const Node node = wave_.run_stage(stage, bounce, queues.*stage.queue);
@@ -161,7 +160,7 @@ void PathTracer::choose_lobes(WaveBounce& bounce) {
   wave_.graph_.wait_for_all(chosen, seeded_);
   for (const Node reader : readers_) wave_.graph_.wait_for_all(chosen, reader);
   bounce.inspector = chosen;
-  bounce.colours = kNone;
+  bounce.colours = Wavefront::kNone;
 }
 
 /// Emits and traces the next rays of all paths.

@@ -101,7 +101,7 @@ void TileBuffer::reserve_visible(std::size_t record_count, std::size_t pixels) {
 
 void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_count) {
   grow_to(filters.visible, sample_count);
-  grow_to(samples.colours, sample_count);
+  grow_to(samples.colours, 2 * sample_count);  // the second half collects the light of diffuse rays
   grow_to(checks.passed, sample_count);
   grow_to(filters.lights, sample_count * light_count);
   grow_to(filters.ratios, sample_count * light_count);

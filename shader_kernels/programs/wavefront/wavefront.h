@@ -410,6 +410,7 @@ class Wavefront {
     return wave_.retained.low_rate.are_low_rate && bounce.depth == 1;
   }
   void shade_low_rate_effects(WaveBounce& bounce);
+  void spawn_bounce_rays(const WaveBounce& bounce, WaveBounce& next);
   void trace_visible_fractions(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 
@@ -428,6 +429,7 @@ class Wavefront {
   TileGraph graph_;
   WaveTracer tracer_;
   WaveContext wave_;
+  Node selected_ = kNone;  ///< launch that selected the samples that emit effect rays
 };
 
 }  // namespace kernels

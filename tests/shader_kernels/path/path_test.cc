@@ -39,10 +39,10 @@ struct PathView {
       for (std::size_t k = 0; k < rays.size(); ++k) rays[k] += tile.rays[k];
       for (std::uint32_t i = 0; i < tile.work.samples; ++i) {
         const std::uint32_t pixel = i / samples, x = tile.x + pixel % tile.width, y = tile.y + pixel / tile.width;
-        const Vec3<float>& rgb = tile.buffer.samples.colours[i].rgb;
-        lowest = std::min({lowest, rgb.x, rgb.y, rgb.z});
-        highest = std::max({highest, rgb.x, rgb.y, rgb.z});
-        pixels[std::size_t{y} * render.width + x].add(glm::dvec3(rgb.x, rgb.y, rgb.z));
+        const auto& [red, green, blue] = tile.buffer.samples.colours[i].rgb;
+        lowest = std::min({lowest, red, green, blue});
+        highest = std::max({highest, red, green, blue});
+        pixels[std::size_t{y} * render.width + x].add(glm::dvec3(red, green, blue));
       }
     });
     rgb = program.picture();
