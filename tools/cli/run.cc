@@ -34,7 +34,7 @@ void add_run_command(CLI::App& app, const std::vector<std::string>& argv, int&) 
   verb->add_option(
           "--representative", options->representative,
           "simulate some of the frames of --frames and estimate the totals of all, with 95 % intervals: auto,\n"
-          "which adds frames until the intervals are +-1.5 %, or a number of clusters of similar frames, e.g. 12\n"
+          "which adds frames until the intervals are +-3 %, or a number of clusters of similar frames, e.g. 12\n"
           "(docs/sequences.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: auto, 12") : ""; });
   verb->add_option(

@@ -20,7 +20,7 @@ namespace tools {
 namespace {
 
 /// Relative half-width of the intervals of cycles and energy below which --representative auto adds no more frames.
-constexpr double kTarget = 0.015;
+constexpr double kTarget = 0.03;
 /// Largest share of the frames to simulate; a sequence that needs more is simulated whole.
 constexpr double kMostShare = 0.4;
 constexpr std::uint32_t kMostWanted = 1000;

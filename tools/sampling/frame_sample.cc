@@ -24,7 +24,7 @@ constexpr double kCriterionShare = 0.9;
 constexpr std::uint32_t kStarts = 5;       // chosen: initial centres of k-means, of which the best are kept
 constexpr std::uint32_t kMostSteps = 100;  // chosen: k-means converges in some twenty steps
 constexpr double kLeastVariance = 1e-12;   // chosen: far below the variance of standardised counts, which is 1
-constexpr double kRidge = 0.05;            // chosen: penalty per frame, on standardised counts
+constexpr double kRidge = 0.2;             // chosen: penalty per frame on standardised counts, as for tiles
 
 /// Points in a space of several dimensions.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -144,6 +144,24 @@ FrameClusters to_clusters(Partition partition) {
   return out;
 }
 
+/// Orders frames so that any number of first ones are spread over time: a van der Corput sequence with a random start.
+/// Each frame is the first with the same probability.
+std::vector<std::uint32_t> spread_frames(const std::vector<std::uint32_t>& frames, std::uint64_t seed) {
+  const std::size_t n = frames.size();
+  const std::uint64_t start = seed % n;
+  std::vector<std::uint32_t> order;
+  std::vector<bool> taken(n);
+  for (std::uint64_t k = 0; order.size() < n; ++k) {
+    double place = 0, share = 0.5;
+    for (std::uint64_t bits = k; bits != 0; bits >>= 1, share /= 2) place += (bits & 1) != 0 ? share : 0;
+    std::size_t i = (start + static_cast<std::size_t>(place * static_cast<double>(n))) % n;
+    if (taken[i]) continue;
+    taken[i] = true;
+    order.push_back(frames[i]);
+  }
+  return order;
+}
+
 }  // namespace
 
 FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t wanted, std::uint64_t seed) {
@@ -169,9 +187,9 @@ FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t 
 FrameSample::FrameSample(std::vector<FrameCounts> counts, std::uint32_t clusters, std::uint64_t draw)
     : counts_(std::move(counts)), clusters_(cluster_frames(counts_, clusters, draw)), order_(clusters_.sizes.size()) {
   for (std::uint32_t frame = 0; frame < counts_.size(); ++frame) order_[clusters_.of_frame[frame]].push_back(frame);
-  for (std::vector<std::uint32_t>& frames : order_) {
-    std::ranges::sort(frames, {}, [&](std::uint32_t frame) { return std::pair(sim::hash(draw, frame), frame); });
-    numbers_.push_back(std::min(kFramesPerCluster, static_cast<std::uint32_t>(frames.size())));
+  for (std::size_t c = 0; c < order_.size(); ++c) {
+    order_[c] = spread_frames(order_[c], sim::hash(draw, c));
+    numbers_.push_back(std::min(kFramesPerCluster, static_cast<std::uint32_t>(order_[c].size())));
   }
   choose_frames();
 }
@@ -245,16 +263,14 @@ Interval FrameSample::total(std::span<const double> observed, std::span<const In
   const std::vector<double> spread = variances(observed);
   const auto n = static_cast<double>(chosen_.size());
   const double fitted = n / std::max(1.0, n - parameters_);  // the regression makes residuals too small
-  double variance = 0, squares = 0;
+  double pooled = 0, factor = 0, degrees = 0;
   for (std::size_t c = 0; c < numbers_.size(); ++c) {
     const double size = clusters_.sizes[c], chosen = numbers_[c];
-    if (size == chosen) continue;
-    const double part = fitted * size * (size - chosen) / chosen * spread[c];
-    variance += part;
-    squares += part * part / (chosen - 1);
+    pooled += size * spread[c] / static_cast<double>(counts_.size());
+    factor += size * (size - chosen) / chosen;
+    degrees += chosen - 1;
   }
-  // Degrees of freedom by the Welch-Satterthwaite equation.
-  if (variance > 0) out.random = student_t_quantile(variance * variance / squares) * std::sqrt(variance);
+  if (factor > 0) out.random = student_t_quantile(degrees) * std::sqrt(fitted * factor * pooled);
   out.random = std::hypot(out.random, std::sqrt(of_frames));
   return out;
 }

@@ -22,12 +22,13 @@ FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t 
 
 /// A stratified random sample of the frames of a sequence, and estimates of totals of the sequence from it.
 ///
-/// 1. The strata are clusters of frames. A hash chooses two frames of each, or the only one.
+/// 1. The strata are clusters of frames. Two frames of each, half a cluster apart in time, are chosen, or the only one.
 /// 2. Totals are generalised regression estimates: each frame stands for an equal share of its cluster, and a ridge
 ///    regression on the counts corrects the difference between the counts of the sample and of the sequence.
-/// 3. The estimate is linear in the observations. So one weight per frame serves every quantity, and sums of quantities
+/// 3. The interval assumes the same variance of residuals in all clusters: the mean of the clusters' variances.
+/// 4. The estimate is linear in the observations. So one weight per frame serves every quantity, and sums of quantities
 ///    stay consistent.
-/// 4. If all frames of each cluster are equal, totals are exact.
+/// 5. If all frames of each cluster are equal, totals are exact.
 class FrameSample {
  public:
   /// `clusters`: as `wanted` of cluster_frames(). `draw`: seed of clusters and of the choice of frames.
