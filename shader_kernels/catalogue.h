@@ -7,6 +7,7 @@
 
 #include "shader_kernels/graph.h"
 #include "shader_kernels/kernels/classify.h"
+#include "shader_kernels/kernels/denoise.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"
 #include "shader_kernels/kernels/fused.h"
@@ -66,6 +67,12 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
+    // Kernels of the denoiser.
+    ClearGuides, RecordGuide, RecordMovingGuide, SplitLight<true>, SplitLight<false>, AccumulateHistory<true>,
+    AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,
+    FilterLight<true, TapSource::kTile>, FilterLight<true, TapSource::kMemory>, FilterLight<false, TapSource::kFirst>,
+    FilterLight<false, TapSource::kTile>, FilterLight<false, TapSource::kMemory>, ModulateAlbedo<true>,
+    ModulateAlbedo<false>,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

@@ -151,6 +151,7 @@ class Gpu {
 
   const GpuConfig config_;
   const traces::Layout& layout_;
+  const Addr stored_samples_;  ///< address of region kSamples
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   const TilesInFlight in_flight_;
   const std::shared_ptr<const ScheduledKernels> scheduled_;

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/pixel_sink.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "shader_kernels/programs/wavefront/wavefront.h"
@@ -16,8 +17,9 @@ namespace kernels {
 class FullProgram final : public FrameProgram {
  public:
   /// `samples` is the number of samples per pixel, a square number. The image must outlive the program.
+  /// `sink` receives the samples; null: pixels go to the frame buffer.
   FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-              std::uint32_t samples, std::uint32_t frame);
+              std::uint32_t samples, std::uint32_t frame, const PixelSink* sink = nullptr);
 
   std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< tiles are numbered row by row
   TileGridSize tile_grid_size() const override { return {tiles_across_, tiles_down_}; }
@@ -40,6 +42,7 @@ class FullProgram final : public FrameProgram {
   const std::uint32_t side_;  ///< number of pixels along the side of a tile
   const std::uint32_t tiles_across_, tiles_down_;
   const std::uint32_t seed_;
+  const PixelSink* const sink_;
 };
 
 }  // namespace kernels

@@ -180,7 +180,10 @@ kernels::FullProgram full_program(const Inputs& inputs, const kernels::ProgramSp
   return {inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame};
 }
 
-void check_sliceable(const kernels::RenderConfig& render) {
+void check_sliceable(const kernels::RenderConfig& render, const kernels::DenoiseConfig& denoise) {
+  if (denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--slices: a denoiser reads all tiles, which no slice has; allowed: denoise.filter=off");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -320,7 +323,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 }
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
-  check_sliceable(config.render);
+  check_sliceable(config.render, config.programs.denoise);
   const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());

@@ -382,7 +382,10 @@ void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_render(const kernels::RenderConfig& render) {
+void check_programs(const kernels::RenderConfig& render, const kernels::DenoiseConfig& denoise) {
+  if (denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--tile-sampling: a denoiser reads all tiles; allowed: denoise.filter=off");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
@@ -433,7 +436,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
-  check_render(inputs.config.render);
+  check_programs(inputs.config.render, inputs.config.programs.denoise);
   const traces::BvhTracer tracer(inputs.image);
   double thinning = 1;
   kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
@@ -512,7 +515,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          traces::TraceWriter& trace) {
-  check_render(inputs.config.render);
+  check_programs(inputs.config.render, inputs.config.programs.denoise);
   const traces::BvhTracer tracer(inputs.image);
   render_frame(inputs, program, tracer, threads, {.trace = &trace});
   double thinning = 1;

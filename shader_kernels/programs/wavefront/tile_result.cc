@@ -101,6 +101,22 @@ void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_co
   grow_to(filters.ratios, sample_count * light_count);
 }
 
+void TileBuffer::reserve_denoise(std::size_t sample_count, std::size_t pixels) {
+  DenoiseRecords& d = denoise;
+  grow_to(d.guides, sample_count);
+  grow_to(d.guide_words, pixels);
+  grow_to(d.half_light, pixels);
+  grow_to(d.half_filtered, pixels);
+  grow_to(d.light, pixels);
+  grow_to(d.filtered, pixels);
+  grow_to(d.half_moments, pixels);
+  grow_to(d.moments, pixels);
+  grow_to(d.motions, pixels);
+  grow_to(d.albedos, pixels);
+  grow_to(d.taps, pixels);
+  grow_to(d.guide_taps, pixels);
+}
+
 glm::vec3 TileResult::averaged_colour(std::uint32_t sample) const {
   const Vec3<float>& rgb = buffer.samples.colours[sample].rgb;
   return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);
