@@ -691,14 +691,14 @@ struct FilterLight {
   /// Returns the mean variance of 3 x 3 pixels, with weights of 1/4, 1/8 and 1/16.
   template <class V>
   static F<V> blurred_variance(const DivMod<V>& pixel, const F<V>& centre, const Tap<V>& own, Ports<V>& io) {
-    const auto offset = [](const F<V>& from, float by, const F<V>& pitch, const F<V>& low, const F<V>& high) {
+    const auto offset = [](const F<V>& from, float by, const F<V>& index, const F<V>& low, const F<V>& high) {
       const F<V> to = from + by;
-      return select(logical_and(low <= to, to <= high), pitch * by, F<V>(0.0F));
+      return select(logical_and(low <= to, to <= high), index, F<V>(0.0F));
     };
     const FinishedUniforms<V>& f = io.finished;
-    const std::array<F<V>, 2> columns{offset(pixel.remainder, -1, F<V>(1.0F), f.low_x, f.high_x),
+    const std::array<F<V>, 2> columns{offset(pixel.remainder, -1, F<V>(-1.0F), f.low_x, f.high_x),
                                       offset(pixel.remainder, 1, F<V>(1.0F), f.low_x, f.high_x)};
-    const std::array<F<V>, 2> rows{offset(pixel.quotient, -1, f.pitch, f.low_y, f.high_y),
+    const std::array<F<V>, 2> rows{offset(pixel.quotient, -1, -f.pitch, f.low_y, f.high_y),
                                    offset(pixel.quotient, 1, f.pitch, f.low_y, f.high_y)};
     const auto at = [&](const F<V>& index) { return load_variance<V>(to_int(index), io); };
     const F<V> sides =

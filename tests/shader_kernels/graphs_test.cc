@@ -1,3 +1,4 @@
+#include "denoise/denoise_counts.h"
 #include "effects/effects_counts.h"
 #include "hand_counts.h"
 #include "reconstruct_counts.h"
@@ -291,10 +292,12 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand), kFirstFused);
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kDenoiseByHand),
+            kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
   expect_counts(kEffectsByHand);
+  expect_counts(kDenoiseByHand);
 }
 
 }  // namespace
