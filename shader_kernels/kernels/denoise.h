@@ -200,8 +200,10 @@ template <class V>
 void store_guide(const I<V>& slot, const SurfacePointRecord<V>& point, const Vec3<V>& before, GuidePorts<V>& io) {
   const Projected<V> now(point.position - io.motion.now.eye, io.motion.now);
   const Projected<V> past(before - io.motion.past.eye, io.motion.past);
-  io.guides.store(io.paths.load(slot).sample, {point.normal, now.depth, past.x - now.x, past.y - now.y,
-                                               max(past.depth / now.depth, F<V>(0.0F)), io.mattes.load(slot).diffuse});
+  const Vec3<V> albedo = io.mattes.load(slot).diffuse;
+  const I<V> sample = io.paths.load(slot).sample;
+  io.guides.store(sample, {point.normal, now.depth, past.x - now.x, past.y - now.y,
+                           max(past.depth / now.depth, F<V>(0.0F)), albedo});
 }
 
 /// Records the guide of a sample's first hit in a frame whose triangles have not moved.
@@ -700,11 +702,16 @@ struct FilterLight {
                                       offset(pixel.remainder, 1, F<V>(1.0F), f.low_x, f.high_x)};
     const std::array<F<V>, 2> rows{offset(pixel.quotient, -1, -f.pitch, f.low_y, f.high_y),
                                    offset(pixel.quotient, 1, f.pitch, f.low_y, f.high_y)};
-    const auto at = [&](const F<V>& index) { return load_variance<V>(to_int(index), io); };
-    const F<V> sides =
-        (at(centre + columns[0]) + at(centre + columns[1])) + (at(centre + rows[0]) + at(centre + rows[1]));
-    const F<V> corners = (at(centre + rows[0] + columns[0]) + at(centre + rows[0] + columns[1])) +
-                         (at(centre + rows[1] + columns[0]) + at(centre + rows[1] + columns[1]));
+    std::array<F<V>, 8> around;
+    const auto load = [&](std::size_t to, const F<V>& by) { around[to] = load_variance<V>(to_int(centre + by), io); };
+    for (std::size_t i = 0; i < 2; ++i) {
+      load(i, columns[i]);
+      load(2 + i, rows[i]);
+      load(4 + i, rows[0] + columns[i]);
+      load(6 + i, rows[1] + columns[i]);
+    }
+    const F<V> sides = (around[0] + around[1]) + (around[2] + around[3]);
+    const F<V> corners = (around[4] + around[5]) + (around[6] + around[7]);
     return own.variance * 0.25F + sides * 0.125F + corners * 0.0625F;
   }
 };
