@@ -14,6 +14,7 @@
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/layers.h"
 #include "shader_kernels/kernels/light.h"
+#include "shader_kernels/kernels/path.h"
 #include "shader_kernels/kernels/pixels.h"
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/record_hits.h"
@@ -67,6 +68,11 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
+    // Kernels of the path program, and of rough reflections.
+    SeedPaths, KeepVisible, ClassifyLit, SampleLight<false>, SampleLight<true>, SampleLightRough<false>,
+    SampleLightRough<true>, ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>,
+    ScatterRough, AveragePaths, ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
+    ShadePhysical<MipFilter::kLinear, true>, ReflectRough, CastBounce, TakeBounce,
     // Kernels of the denoiser.
     ClearGuides, RecordGuide, RecordMovingGuide, SplitLight<true>, SplitLight<false>, AccumulateHistory<true>,
     AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,

@@ -263,9 +263,11 @@ struct SplitLight {
     Local<V, WordRecord> motions, albedos;
     LoopCarried<V> red, green, blue, albedo_red, albedo_green, albedo_blue;
     F<V> samples, inverse_samples;
+    F<V> most;  ///< largest channel of a sample that counts
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port, NAMED_ALL(p.colours, p.guides, p.light, p.guide_words, p.motions, p.albedos, p.red, p.green,
-                               p.blue, p.albedo_red, p.albedo_green, p.albedo_blue, p.samples, p.inverse_samples));
+      name_all(port,
+               NAMED_ALL(p.colours, p.guides, p.light, p.guide_words, p.motions, p.albedos, p.red, p.green, p.blue,
+                         p.albedo_red, p.albedo_green, p.albedo_blue, p.samples, p.inverse_samples, p.most));
     }
   };
   template <class V>
@@ -275,20 +277,21 @@ struct SplitLight {
     const I<V> to = to_int(pixel.quotient);
     const Vec3<V> colour = io.colours.load(item).rgb;
     const GuideRecord<V> guide = io.guides.load(item);
-    const auto mean = [&](LoopCarried<V>& so_far, const F<V>& sample) {
-      const F<V> sum = select(first, F<V>(0.0F), so_far.get()) + clamp_to_unit<V>(sample);
+    const auto mean = [&](LoopCarried<V>& so_far, const F<V>& sample, const F<V>& most) {
+      const F<V> sum = select(first, F<V>(0.0F), so_far.get()) + min(max(sample, F<V>(0.0F)), most);
       so_far.set(sum);
       return sum * io.inverse_samples;
     };
     const auto byte = [](const F<V>& x) { return to_int(max(x * 255.0F, F<V>(kLeastAlbedo)) + 0.5F); };
-    const I<V> red = byte(mean(io.albedo_red, guide.albedo.x));
-    const I<V> green = byte(mean(io.albedo_green, guide.albedo.y));
-    const I<V> blue = byte(mean(io.albedo_blue, guide.albedo.z));
+    const I<V> red = byte(mean(io.albedo_red, guide.albedo.x, F<V>(1.0F)));
+    const I<V> green = byte(mean(io.albedo_green, guide.albedo.y, F<V>(1.0F)));
+    const I<V> blue = byte(mean(io.albedo_blue, guide.albedo.z, F<V>(1.0F)));
     const auto divided = [](const F<V>& light, const I<V>& albedo) {
       return light / (to_float(albedo) * (1.0F / 255.0F));
     };
-    const Vec3<V> light{divided(mean(io.red, colour.x), red), divided(mean(io.green, colour.y), green),
-                        divided(mean(io.blue, colour.z), blue)};
+    const Vec3<V> light{divided(mean(io.red, colour.x, io.most), red),
+                        divided(mean(io.green, colour.y, io.most), green),
+                        divided(mean(io.blue, colour.z, io.most), blue)};
     const auto steps = [](const F<V>& pixels) {
       return to_int(min(max(pixels * kMotionSteps + (kNoMotion + 0.5F), F<V>(0.0F)), F<V>(65535.0F)));
     };

@@ -72,13 +72,23 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   }
   RetainedRecords retained;
   if (sink_ != nullptr) sink_->begin_tile(graph, generated, samples, out, retained);
-  wave.run(generated, samples, retained);
+  shade_rays(wave, generate, generated, samples, retained);
 
   sink_ != nullptr ? sink_->write_tile(graph, samples, samples_, out) : write_pixels(graph, samples, out);
   wave.finish();
   out.sampling = {};
   out.sampling.wanted = out.sampling.traced = samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
+}
+
+void FullProgram::shade_rays(Wavefront& wave, const GeneratePorts<float>& /*ports*/, Wavefront::Node generated,
+                             std::uint32_t samples, const RetainedRecords& retained) const {
+  wave.run(generated, samples, retained);
+}
+
+Wavefront::Node FullProgram::average_samples(TileGraph& graph, AverageColour::Ports<float>& ports,
+                                             std::uint32_t samples) const {
+  return graph.launch<AverageColour>(ports, samples);
 }
 
 Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const {
@@ -109,7 +119,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = reciprocal_of(samples_);
-  const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
+  const Wavefront::Node averaged = average_samples(graph, average, samples);
   graph.wait_for_colour_writers(averaged);
   graph.write_pixels(averaged, offset);
 }

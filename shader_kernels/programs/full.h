@@ -14,7 +14,7 @@ namespace kernels {
 ///   generate_rays -> Wavefront -> average_colour -> pack_colour -> transfer to the frame buffer
 ///
 /// A tile is a square of whole pixels. It has at most the configured number of samples, but at least one pixel.
-class FullProgram final : public FrameProgram {
+class FullProgram : public FrameProgram {
  public:
   /// `samples` is the number of samples per pixel, a square number. The image must outlive the program.
   /// `sink` receives the samples; null: pixels go to the frame buffer.
@@ -29,6 +29,17 @@ class FullProgram final : public FrameProgram {
   std::uint32_t tile_samples() const { return tile_pixels() * samples_; }
 
   void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+
+ protected:
+  const RenderConfig& config() const { return config_; }
+  const SceneTables& scene() const { return scene_; }
+  /// Traces and shades the primary rays of a tile, which launch `generated` made with the uniforms of `ports`. Keeps
+  /// the records that `retained` selects.
+  virtual void shade_rays(Wavefront& wave, const GeneratePorts<float>& ports, Wavefront::Node generated,
+                          std::uint32_t samples, const RetainedRecords& retained) const;
+  /// Launches the kernel that averages the samples of each pixel.
+  virtual Wavefront::Node average_samples(TileGraph& graph, AverageColour::Ports<float>& ports,
+                                          std::uint32_t samples) const;
 
  private:
   Wavefront::Node launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const;

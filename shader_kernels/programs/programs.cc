@@ -13,6 +13,7 @@
 #include "shader_kernels/programs/denoise/denoised.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
+#include "shader_kernels/programs/path/path_program.h"
 #include "shader_kernels/programs/upsampled.h"
 #include "sim/error.h"
 
@@ -31,6 +32,16 @@ void check_undersample_effects(const Effects& effects) {
   }
 }
 
+/// Throws InputError if the effects are not those of a path tracer: shadows of either kind, reflections, refractions.
+void check_path_effects(const Effects& effects) {
+  const bool has_shadows = effects.has(Effect::kShadows) || effects.has(Effect::kSoftShadows);
+  const bool has_all = has_shadows && effects.has(Effect::kReflections) && effects.has(Effect::kRefractions);
+  if (has_all && !effects.has(Effect::kOcclusion) && !effects.has(Effect::kBounce)) return;
+  throw sim::InputError(
+      "render.effects: the program path traces all light; allowed: shadows or soft_shadows, with reflections and "
+      "refractions and without occlusion and bounce, or another program");
+}
+
 /// Throws InputError if effect rays are to be traced at only some pixels and the program is not full:1. Only full:1 can
 /// compute the effects of the other pixels.
 void check_effect_rate(const ProgramSpec& spec, EffectRate rate) {
@@ -43,11 +54,14 @@ void check_effect_rate(const ProgramSpec& spec, EffectRate rate) {
 std::unique_ptr<FrameProgram> make_denoised(const ProgramSpec& spec, const Frame& f) {
   check_denoise(spec, f.render, f.programs.denoise);
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
-  const auto make_noisy = [&](const PixelSink& sink) {
-    return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number, &sink);
+  const bool is_path = spec.kind == ProgramSpec::Kind::kPath;
+  if (is_path) check_path_effects(parse_effects(f.render.effects));
+  const auto make = [&](const PixelSink& sink) -> std::unique_ptr<FrameProgram> {
+    if (!is_path) return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number, &sink);
+    return std::make_unique<PathProgram>(f.image, f.camera, f.render, f.programs.path, spec.samples, f.number, &sink);
   };
   return std::make_unique<DenoisedProgram>(f.image, f.camera, f.render, f.programs.denoise, f.history, f.number,
-                                           std::max(1U, f.render.tile / grid), make_noisy);
+                                           NoisyProgram{std::max(1U, f.render.tile / grid), !is_path, make});
 }
 
 std::unique_ptr<FrameProgram> make_plain_program(const ProgramSpec& spec, const Frame& f) {
@@ -74,6 +88,9 @@ std::unique_ptr<FrameProgram> make_plain_program(const ProgramSpec& spec, const 
       return std::make_unique<ReconstructProgram>(f.image, f.camera, f.render, f.programs.reconstruct, filters,
                                                   f.scene_size, f.number);
     }
+    case ProgramSpec::Kind::kPath:
+      check_path_effects(parse_effects(f.render.effects));
+      return std::make_unique<PathProgram>(f.image, f.camera, f.render, f.programs.path, spec.samples, f.number);
     case ProgramSpec::Kind::kFull:
       break;
   }
@@ -95,9 +112,9 @@ std::uint32_t desired_tile_side(const ProgramSpec& spec, const Frame& f) {
 
 void check_denoise(const ProgramSpec& spec, const RenderConfig& render, const DenoiseConfig& denoise) {
   if (!denoise.has_kernels()) return;
-  if (spec.kind != ProgramSpec::Kind::kFull) {
+  if (spec.kind != ProgramSpec::Kind::kFull && spec.kind != ProgramSpec::Kind::kPath) {
     throw sim::InputError(fmt::format(
-        "denoise.filter: atrous: the program {} has no tiles of whole pixels to filter; allowed: off, or full:N",
+        "denoise.filter: atrous: the program {} has no tiles of whole pixels to filter; allowed: off, full:N, path:N",
         spec.name()));
   }
   if (render.effect_rate != EffectRate::kFull && render.has_low_rate_effects()) {

@@ -5,6 +5,7 @@
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
 #include "shader_kernels/programs/denoise/denoise_config.h"
+#include "shader_kernels/programs/path/path_config.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
@@ -21,6 +22,7 @@ struct ProgramConfig {
   SupersampleConfig supersample;
   UndersampleConfig undersample;
   DenoiseConfig denoise;
+  PathConfig path;
 
   static void describe(auto& c, auto&& field) {
     field.group(NAMED(c.multirate), "frame programs multirate:under and multirate:super");
@@ -28,6 +30,7 @@ struct ProgramConfig {
     field.group(NAMED(c.supersample), "frame program supersample");
     field.group(NAMED(c.reconstruct), "frame programs reconstruct and reconstruct:sraa");
     field.group(NAMED(c.denoise), "filter of a frame's noise");
+    field.group(NAMED(c.path), "frame program path:N");
   }
 };
 

@@ -1,6 +1,7 @@
 #include "denoise/denoise_counts.h"
 #include "effects/effects_counts.h"
 #include "hand_counts.h"
+#include "path/path_counts.h"
 #include "reconstruct_counts.h"
 
 namespace kernels {
@@ -292,12 +293,14 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kDenoiseByHand),
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kPathByHand) +
+                std::size(kDenoiseByHand),
             kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
   expect_counts(kEffectsByHand);
   expect_counts(kDenoiseByHand);
+  expect_counts(kPathByHand);
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ double StoredFrames::estimate_seconds() {
   const RunParallelism parallelism{threads_, replicates_};
   HostRate rate = kUsualRate;
   // Tiles can be simulated alone only if they are independent of each other, as in the program `full`.
-  const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
+  const bool has_free_tiles = program_.has_independent_tiles();
   if (has_free_tiles && may_take_minutes(steps, parallelism)) {
     const Part& first = find_part(false);
     load_tree(first);

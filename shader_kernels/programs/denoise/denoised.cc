@@ -52,17 +52,17 @@ auto& moments_of(TileResult& out) {
 
 DenoisedProgram::DenoisedProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                  const RenderConfig& render, const DenoiseConfig& denoise,
-                                 const DenoiseHistory* history, std::uint32_t frame, std::uint32_t tile_side,
-                                 const MakeNoisy& make_noisy)
+                                 const DenoiseHistory* history, std::uint32_t frame, const NoisyProgram& noisy)
     : FrameProgram(render.width, render.height),
       image_(image),
       render_(render),
       denoise_(denoise),
       scene_(image, render),
+      most_(noisy.clamps_samples ? 1.0F : kLargestHalf),
       frame_(frame),
-      side_(tile_side),
-      across_(tiles_across(render.width, tile_side)),
-      tile_count_(across_ * tiles_across(render.height, tile_side)),
+      side_(noisy.tile_side),
+      across_(tiles_across(render.width, side_)),
+      tile_count_(across_ * tiles_across(render.height, side_)),
       bytes_(denoise.history),
       projection_(projection_of(camera_uniforms(camera, render.width, render.height))),
       has_moved_(history != nullptr && has_moved_since(*history, image)),
@@ -74,7 +74,7 @@ DenoisedProgram::DenoisedProgram(const traces::MemoryImage& image, const traces:
               has_moved_,
               memory_->data(),
               layout_.past_vertices / 4},
-      program_(make_noisy(*this)) {
+      program_(noisy.make(*this)) {
   if (history == nullptr) return;
   const std::uint64_t pixels = std::uint64_t{render.width} * render.height;
   const DenoiseLayout::History& past = layout_.histories[parity_ ^ 1U];
@@ -173,6 +173,7 @@ void DenoisedProgram::split_light(TileGraph& graph, std::uint32_t samples, std::
   typename SplitLight<kHalf>::template Ports<float> ports;
   ports.samples = static_cast<float>(per_pixel);
   ports.inverse_samples = 1.0F / static_cast<float>(per_pixel);
+  ports.most = most_;
   const Node split = graph.launch<SplitLight<kHalf>>(ports, samples);
   graph.wait_for_colour_writers(split);
   graph.wait_for_record_writers(split);

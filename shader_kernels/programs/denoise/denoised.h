@@ -15,8 +15,12 @@
 
 namespace kernels {
 
-/// Makes the program whose picture is denoised; its tiles go to the sink.
-using MakeNoisy = std::function<std::unique_ptr<FrameProgram>(const PixelSink& sink)>;
+/// The program whose picture is denoised.
+struct NoisyProgram {
+  std::uint32_t tile_side = 1;  ///< side of its tiles in pixels
+  bool clamps_samples = true;   ///< a pixel is the mean of samples clamped to [0, 1]
+  std::function<std::unique_ptr<FrameProgram>(const PixelSink& sink)> make;  ///< its tiles go to the sink
+};
 
 /// Wraps a frame program of tiles of whole pixels and filters its noise (Schied et al. 2017). Each pass covers the
 /// program's tiles once:
@@ -35,10 +39,10 @@ using MakeNoisy = std::function<std::unique_ptr<FrameProgram>(const PixelSink& s
 /// Not modelled: clearing the history before the first frame.
 class DenoisedProgram final : public FrameProgram, private PixelSink {
  public:
-  /// `history`: the previous frame's; null in the first frame. `tile_side`: side in pixels of the program's tiles.
+  /// `history`: the previous frame's; null in the first frame.
   DenoisedProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& render,
                   const DenoiseConfig& denoise, const DenoiseHistory* history, std::uint32_t frame,
-                  std::uint32_t tile_side, const MakeNoisy& make_noisy);
+                  const NoisyProgram& noisy);
 
   std::uint32_t tiles() const override { return tile_count_ * pass_count(); }
   TileGridSize tile_grid_size() const override { return program_->tile_grid_size(); }
@@ -105,6 +109,7 @@ class DenoisedProgram final : public FrameProgram, private PixelSink {
   const RenderConfig render_;
   const DenoiseConfig denoise_;
   const SceneTables scene_;
+  const float most_;  ///< largest channel of a sample that counts
   const std::uint32_t frame_, side_, across_, tile_count_;
   const DenoiseRecordBytes bytes_;
   const ProjectionUniforms<float> projection_;

@@ -19,5 +19,6 @@ struct GuideUniforms {
 
 /// Launches the kernel that records the guides of first hits, over the surfaces of a bounce.
 LaunchResult launch_guides(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
+inline constexpr WaveStage kGuides{&StageQueues::surfaces, launch_guides, WaitsFor::kBounce, kRecordsHits};
 
 }  // namespace kernels

@@ -134,6 +134,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     stage_queue_array<&Q::glowing>("glowing", "glowing_count"),
     stage_queue_array<&Q::occluded>("occluded", "occluded_count"),
     stage_queue_array<&Q::layers>("layers", "layer_count"),
+    stage_queue_array<&Q::rough>("rough", "rough_count"),
     stage_queue_array<&Q::targets>("targets", ""),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::points>("places"),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::mattes>("mattes"),
@@ -142,6 +143,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::tangents>("tangents"),
     buffer_array<&TileBuffer::samples, &SampleRecords::colours>("colours"),
     buffer_array<&TileBuffer::samples, &SampleRecords::geometry>("geometry"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::seeds>("seeds"),
     buffer_array<&TileBuffer::samples, &SampleRecords::secondary>("secondary"),
     buffer_array<&TileBuffer::samples, &SampleRecords::kept>("kept"),
     buffer_array<&TileBuffer::samples, &SampleRecords::globals>("globals"),
@@ -184,6 +186,8 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     scene_array<&SceneTables::axes>("axes"),
     scene_array<&SceneTables::levels>("levels"),
     scene_array<&SceneTables::srgb_codes>("srgb_codes"),
+    scene_array<&SceneTables::lights>("light_table"),
+    scene_array<&SceneTables::discs>("disc_table"),
 });
 
 }  // namespace port_arrays

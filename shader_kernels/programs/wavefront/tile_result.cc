@@ -28,7 +28,7 @@ void RaySlots::reserve_slots(std::size_t slots) {
 
 void StageQueues::clear_surfaces() {
   for (SlotQueue* queue : {&textured, &diffuse, &mirror, &glass, &emissive, &deferred, &absorbing, &vertexed, &based,
-                           &physical, &bumped, &blended, &glowing, &occluded}) {
+                           &physical, &bumped, &blended, &glowing, &occluded, &rough}) {
     queue->items = 0;
   }
 }
@@ -59,6 +59,12 @@ void TileBuffer::reserve_layers(std::size_t slots) {
   grow_to(queues.layers, slots);
   grow_to(queues.targets, slots);
   rays.layer.reserve_slots(slots + 1);
+}
+
+void TileBuffer::reserve_paths(std::size_t slots) {
+  grow_to(queues.blended, slots);
+  grow_to(queues.rough, slots);
+  grow_to(samples.seeds, slots);
 }
 
 void TileBuffer::reserve_samples(std::size_t sample_count) {
@@ -95,7 +101,7 @@ void TileBuffer::reserve_visible(std::size_t record_count, std::size_t pixels) {
 
 void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_count) {
   grow_to(filters.visible, sample_count);
-  grow_to(samples.colours, sample_count);
+  grow_to(samples.colours, 2 * sample_count);  // the second half collects the light of diffuse rays
   grow_to(checks.passed, sample_count);
   grow_to(filters.lights, sample_count * light_count);
   grow_to(filters.ratios, sample_count * light_count);

@@ -49,6 +49,7 @@ struct StageQueues {
   SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for kernels of their other classes
   SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< surfaces by rarer class, from classify_details
   SlotQueue glowing, occluded;                                      ///< surfaces by rarer class, from classify_details
+  SlotQueue rough;                                                  ///< surfaces that GGX microfacets reflect
   SlotQueue layers;   ///< ray slots whose hits must be tested for transparency
   SlotQueue targets;  ///< ray slots that receive the hits of continuing rays
   /// Empties all queues of surfaces.
@@ -70,6 +71,7 @@ struct SampleRecords {
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
+  std::vector<std::uint32_t> seeds;          ///< seeds of random numbers (path programs)
   std::vector<ColourRecord<float>> globals;  ///< global colours of samples: without light from lights at the first hit
 };
 
@@ -143,6 +145,7 @@ struct TileBuffer {
   void reserve_wave(std::size_t slots);
   void reserve_details(std::size_t slots);
   void reserve_layers(std::size_t slots);
+  void reserve_paths(std::size_t slots);  ///< grows the arrays of the program path:N
   void reserve_samples(std::size_t sample_count);
   /// Grows the arrays of the program supersample. `centres`: centre samples of a tile and its halo; `pixels`: pixels of
   /// a tile.

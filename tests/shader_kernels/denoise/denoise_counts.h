@@ -17,7 +17,7 @@ inline constexpr Hand kDenoiseByHand[] = {
     {"record_guide", {20, 22, 3, 1, 0, 0, 0, 0, 4, 1, 0}},
     // And, int_mul, 2 int_add; weights, 3 interpolate more.
     {"record_moving_guide", {28, 31, 3, 1, 0, 0, 4, 0, 5, 1, 3}},
-    // Operations: to_float, div_mod, compare, to_int; 6 (clamped, select, add, mul); 3 (mul, max, add, to_int); 3
+    // Operations: to_float, div_mod, compare, to_int; 6 (max, min, select, add, mul); 3 (mul, max, add, to_int); 3
     // (to_float, mul, div); 2 (mul, add, max, min, to_int), shift, or; light, normal; 2 shift, 2 or.
     {"split_light", {16, 23, 3, 24, 1, 6, 22, 13, 2, 4, 0}},
     {"split_light_float", {16, 19, 3, 20, 1, 6, 10, 13, 2, 4, 0}},

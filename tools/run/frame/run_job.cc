@@ -153,7 +153,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   }
   phase("building the tree");
   in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), is_interrupted,
-                                        in.config.render.mip_maps);
+                                        in.config.render.mip_maps, in.config.render.roughness());
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parent_indices(in.image);
@@ -171,7 +171,8 @@ std::string inputs_text(const RunConfig& config) {
   std::string key;
   for (const sim::FieldInfo& field : sim::list_fields(config)) {
     const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
-    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps") {
+    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps" ||
+        field.path == "render.rough_reflections") {
       key += field.path + "=" + field.value + "\n";
     }
   }
