@@ -15,9 +15,19 @@ using KernelId = std::uint16_t;
 /// One read from memory by a kernel, through the SRP's data cache. An Access names an object and an element instead of
 /// an address.
 struct Access {
-  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle, kInstance };
+  enum class Kind : std::uint32_t {
+    kAttributes,
+    kMaterial,
+    kTexels,
+    kVertices,
+    kDetail,
+    kTriangle,
+    kInstance,
+    kStored
+  };
   // What `element` is depends on the kind: a triangle (kAttributes, kVertices, kTriangle), a material (kMaterial,
-  // kDetail) or an instance (kInstance). kTexels reads a bilinear footprint of up to 2 x 2 texels, packed by texels().
+  // kDetail), an instance (kInstance) or a 4-byte word of region kSamples (kStored). kTexels reads a bilinear footprint
+  // of up to 2 x 2 texels, packed by texels().
   std::uint32_t object = 0;  ///< kind of access in the top 3 bits, texture index in the others
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< for kTexels, the opposite corner of the footprint
@@ -51,6 +61,9 @@ enum class Region : std::uint8_t {
   kTree,     ///< the scene's tree, from its first node on
   kCount
 };
+
+/// Size in bytes of the words that accesses of kind kStored name.
+inline constexpr std::uint32_t kStoredWordBytes = 4;
 
 /// Size in bytes of a pixel of the picture: three channels in a packed format.
 inline constexpr std::uint32_t kPixelBytes = 4;

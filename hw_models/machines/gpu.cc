@@ -91,6 +91,7 @@ BuildMemory build_memory_of(const GpuConfig& config, const Gpu::Workload& worklo
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation)
     : config_(config),
       layout_(workload.image.layout),
+      stored_samples_(memory_areas_of_core(config, workload, 0)[static_cast<std::size_t>(Area::kSamples)]),
       tni_clock_(config.clocks.tni.clock()),
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
@@ -299,7 +300,7 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
     if (config_.slc.is_present()) memory_.system_cache_slices()[channels.index_of(line)]->warm_line(line);
   };
   for_each_line_of_tile(
-      work, layout_,
+      work, layout_, stored_samples_,
       [&](std::uint32_t ray, Addr line) {
         if (!trvs[ray % trvs.size()]->warm_line(line)) second_level(line);
       },

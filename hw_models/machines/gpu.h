@@ -167,6 +167,7 @@ class Gpu {
 
   const GpuConfig config_;
   const traces::Layout& layout_;
+  const Addr stored_samples_;  ///< address of region kSamples
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   const Addr tree_bytes_;  ///< bytes of the tree that kernels write; 0: none
   const TilesInFlight in_flight_;

@@ -330,7 +330,8 @@ void Srp::collect_lines(std::uint32_t item) {
   loads_.lines_of_item = item;
   loads_.lines.clear();
   for (const traces::Access& access : accesses_of(item)) {
-    const LineSet lines = lines_of_access(access, *frame_.layout);
+    const LineSet lines =
+        lines_of_access(access, *frame_.layout, frame_.areas[static_cast<std::size_t>(Area::kSamples)]);
     for (std::uint32_t i = 0; i < lines.count; ++i) {
       if (std::ranges::find(loads_.lines, lines.line[i]) == loads_.lines.end()) loads_.lines.push_back(lines.line[i]);
     }

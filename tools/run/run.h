@@ -68,6 +68,7 @@ struct RunResult {
   double squared_error = 0;                 ///< mean squared error of the picture, summed over all frames
   double worst_squared_error = 0;           ///< error of the picture of the worst frame
   std::optional<double> worst_change = {};  ///< largest PictureError::change of a frame; none without a second frame
+  PerceivedError perceived = {};            ///< means over the frames
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
@@ -172,6 +173,7 @@ class RenderedFrames final : public PosedFrames {
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
+  std::shared_ptr<const kernels::DenoiseHistory> history_;
   PictureComparison pictures_;
   std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< contents of the caches after the last frame
 };

@@ -29,12 +29,14 @@ namespace {
 struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
+  std::shared_ptr<const kernels::DenoiseHistory> history = nullptr;
 
   std::vector<float> record_frame(const Inputs& inputs, std::uint32_t threads, Progress& progress,
                                   traces::TraceWriter& trace, bool reference) {
     const traces::BvhTracer tracer(inputs.image);
-    return render_frame(inputs, spec, tracer, threads,
-                        {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+    return render_frame(
+               inputs, spec, tracer, threads,
+               {.rates = &rates, .history = &history, .progress = &progress, .trace = &trace, .reference = reference})
         .rgb;
   }
 };

@@ -187,6 +187,9 @@ std::unique_ptr<kernels::FrameProgram> sliceable_program(const Inputs& inputs, c
 
 void check_sliceable(const RunConfig& config) {
   const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--slices: a denoiser reads all tiles, which no slice has; allowed: denoise.filter=off");
+  }
   if (config.build.engine != traces::BuildEngine::kHost) {
     throw sim::InputError(
         "--slices: all tiles wait for the frame's trees, which no slice builds; allowed: "

@@ -356,8 +356,11 @@ void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_render(const RunConfig& config) {
+void check_programs(const RunConfig& config) {
   const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--tile-sampling: a denoiser reads all tiles; allowed: denoise.filter=off");
+  }
   if (config.build.engine != traces::BuildEngine::kHost) {
     throw sim::InputError(
         "--tile-sampling: building trees is no part that tiles stand for; allowed: build.engine=host");
@@ -412,7 +415,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
-  check_render(inputs.config);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   double thinning = 1;
   kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
@@ -491,7 +494,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          traces::TraceWriter& trace) {
-  check_render(inputs.config);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   render_frame(inputs, program, tracer, threads, {.trace = &trace});
   double thinning = 1;

@@ -521,7 +521,10 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
         work.sources.push_back(static_cast<std::uint32_t>(source));
       }
     }
-    if (node.has_accesses) accesses_.read_launch(from, scope.counts, node.items, work);
+    if (node.has_accesses) {
+      const std::uint64_t stored = scope.region_bytes[static_cast<std::size_t>(Region::kSamples)] / kStoredWordBytes;
+      accesses_.read_launch(from, {scope.counts, stored}, node.items, work);
+    }
     if (node.raster != WorkNode::kNone) {
       RasterWork& job = work.raster[node.raster];
       job.first_triangle = static_cast<std::uint32_t>(work.raster_triangles.size());

@@ -162,6 +162,18 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     buffer_array<&TileBuffer::filters, &FilterRecords::visible>("visible"),
     buffer_array<&TileBuffer::filters, &FilterRecords::lights>("lights"),
     buffer_array<&TileBuffer::filters, &FilterRecords::ratios>("ratios"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guides>("guides"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guide_words>("guide_words"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_light>("light"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::light>("light"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_filtered>("filtered"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::filtered>("filtered"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_moments>("moments"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::moments>("moments"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::motions>("motions"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::albedos>("albedos"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::taps>("taps"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guide_taps>("guide_taps"),
     tile_array<&TileResult::linear>("pixels"),
     tile_array<&TileResult::packed>("packed"),
     image_array<&traces::MemoryImage::attributes>("attributes"),
@@ -375,9 +387,10 @@ class TileGraph {
 
   StreamBuilder& stream_builder() { return stream_; }
 
- private:
+  /// Returns the list that receives the accesses of cached ports; null if nothing is recorded.
   std::vector<traces::Access>* access_log() { return stream_.is_enabled() ? &out_.work.accesses : nullptr; }
 
+ private:
   const SceneTables& scene_;
   TileResult& out_;
   TileScratch& scratch_;

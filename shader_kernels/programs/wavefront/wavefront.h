@@ -90,6 +90,8 @@ struct LowRateEffects {
   GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
+struct GuideUniforms;  // programs/wavefront/guides.h
+
 /// Which records of hits a wave keeps for its samples, in addition to the colours.
 struct RetainedRecords {
   bool geometry = false, surfaces = false;  ///< keep the geometry of the first hit, or all its data that shading needs
@@ -98,6 +100,7 @@ struct RetainedRecords {
   bool traits = false;   ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
   LowRateEffects low_rate{};
+  const GuideUniforms* guides = nullptr;  ///< records the denoiser's guides of first hits; null: none
   StreamBuilder::Node cleared = StreamBuilder::kNone,
                       cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared the records
 };

@@ -57,13 +57,21 @@ kernels::RenderConfig render_settings_of(const Inputs& inputs, bool is_reference
 struct PreparedProgram {
   PreparedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),
+        programs(extras.reference ? reference_programs(inputs.config.programs) : inputs.config.programs),
         frame(kernels::make_program(
-            spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), inputs.config.programs,
+            spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), programs,
                    extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size,
-                   inputs.config.build.engine == traces::BuildEngine::kHost ? nullptr : &inputs.builds})) {
+                   inputs.config.build.engine == traces::BuildEngine::kHost ? nullptr : &inputs.builds,
+                   extras.history != nullptr ? extras.history->get() : nullptr})) {
     if (extras.marks) frame->enable_marks();
   }
+  /// Keeps what the next frame's program needs of the finished frame.
+  void keep_state(const RenderResult& rendered, const SimulateOptions& extras) const {
+    if (extras.rates != nullptr) extras.rates->update_rates(rendered.sampling);
+    if (extras.history != nullptr) *extras.history = frame->make_history();
+  }
   const kernels::RateMap first;
+  const kernels::ProgramConfig programs;
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
 
@@ -153,6 +161,11 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 kernels::RenderConfig reference_render(kernels::RenderConfig render) {
   render.effect_rate = kernels::EffectRate::kFull;
   return render;
+}
+
+kernels::ProgramConfig reference_programs(kernels::ProgramConfig programs) {
+  programs.denoise.filter = kernels::DenoiseFilter::kOff;
+  return programs;
 }
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {
@@ -269,6 +282,11 @@ void FrameResult::add(const FrameResult& frame) {
   replicate_seconds += frame.replicate_seconds;
   if (sampled) sampled->add(*frame.sampled);
   if (sliced) sliced->add(*frame.sliced);
+  if (denoise && frame.denoise) {
+    denoise->time += frame.denoise->time;
+    denoise->dram_bytes += frame.denoise->dram_bytes;
+    denoise->energy_pj += frame.denoise->energy_pj;
+  }
   for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
   for (std::size_t i = 0; i < sustained.size(); ++i) {
     sustained[i].frames.insert(sustained[i].frames.end(), frame.sustained[i].frames.begin(),
@@ -286,7 +304,7 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
     own.previous = previous.emplace(inputs, program, extras).frame.get();
   }
   FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, own);
-  if (extras.rates != nullptr && !s.is_partial()) extras.rates->update_rates(s.rendered.sampling);
+  if (!s.is_partial()) made.keep_state(s.rendered, extras);
   return s;
 }
 
@@ -392,7 +410,7 @@ RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& prog
   tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.release_work(work);
   if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
-  if (extras.rates != nullptr) extras.rates->update_rates(front_end.result().sampling);
+  made.keep_state(front_end.result(), extras);
   return front_end.result();
 }
 
