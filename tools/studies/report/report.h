@@ -16,6 +16,7 @@ namespace tools::pages {
 struct Options {
   std::vector<std::filesystem::path> inputs;  ///< one run, several runs, or one sweep or search
   std::filesystem::path out;
+  std::string counters;  ///< GPU whose counters are printed instead (vendor_counters.h); empty: none
   bool force = false;
 };
 
