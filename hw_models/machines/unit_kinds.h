@@ -16,6 +16,7 @@
 #include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
 
@@ -28,7 +29,7 @@ struct UnitKind {
 };
 
 /// All kinds of units, starting with memory: each kind precedes the kinds that wait for it.
-inline constexpr std::array<UnitKind, 15> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+inline constexpr std::array<UnitKind, 16> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {BackgroundSource::kName, BackgroundSource::kReasons},
                                                          {SystemCacheSlice::kName, SystemCacheSlice::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},
@@ -39,6 +40,7 @@ inline constexpr std::array<UnitKind, 15> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {Ist::kName, Ist::kReasons},
                                                          {Trv::kName, Trv::kReasons},
                                                          {RayDispatcher::kName, RayDispatcher::kReasons},
+                                                         {PredictorStage::kName, PredictorStage::kReasons},
                                                          {RasterUnit::kName, RasterUnit::kReasons},
                                                          {TileBuffer::kName, TileBuffer::kReasons},
                                                          {Srp::kName, Srp::kReasons},

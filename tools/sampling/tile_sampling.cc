@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -382,7 +383,8 @@ void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_render(const kernels::RenderConfig& render) {
+void check_render(const RunConfig& config) {
+  const kernels::RenderConfig& render = config.render;
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
@@ -390,6 +392,9 @@ void check_render(const kernels::RenderConfig& render) {
   if (render.effect_rate != kernels::EffectRate::kFull) {
     throw sim::InputError(
         "--tile-sampling: tiles wait for what effects found in others; allowed: render.effect_rate=full");
+  }
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError("--tile-sampling: a predictor learns from all tiles; allowed: tni.predictor.enabled=false");
   }
 }
 
@@ -433,7 +438,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
-  check_render(inputs.config.render);
+  check_render(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   double thinning = 1;
   kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
@@ -512,7 +517,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          traces::TraceWriter& trace) {
-  check_render(inputs.config.render);
+  check_render(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   render_frame(inputs, program, tracer, threads, {.trace = &trace});
   double thinning = 1;

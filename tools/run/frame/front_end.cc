@@ -33,6 +33,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       itemised_(itemised),
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+  if (record && tracer.ray_predictor() != nullptr) predictions_.emplace(*tracer.ray_predictor());
   if (itemised) {
     result_.summaries.tiles.reserve(tile_count());
     result_.pixels.resize(program.picture().size() / 3);
@@ -66,11 +67,13 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   return slot;
 }
 
-void FrontEnd::execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
+void FrontEnd::execute_tile(Slot& slot, std::uint32_t i, kernels::TileBuffer& buffer) const {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::swap(slot.tile.buffer, buffer);
   slot.tile.wants_pixel_work = itemised_;
-  program_.run_tile(tile, tracer_, record_, slot.tile);
+  slot.tile.prediction_updates.clear();
+  slot.tile.predictions = predictions_ ? &predictions_->table_of(i) : nullptr;
+  program_.run_tile(tile_index(i), tracer_, record_, slot.tile);
   std::swap(slot.tile.buffer, buffer);
   slot.seconds = sim::seconds_since(begin);
 }
@@ -91,7 +94,7 @@ void FrontEnd::run_ahead() {
     }
     Slot& slot = *ahead_.back();
     slot.ready = false;
-    const std::uint32_t tile = tile_index(next_tile_++);
+    const std::uint32_t tile = next_tile_++;
     lock.unlock();
     try {
       execute_tile(slot, tile, buffer);
@@ -127,7 +130,7 @@ const traces::TileWork* FrontEnd::take_tile() {
   }
   if (threads_.empty()) {
     ahead_.push_back(take_slot());
-    execute_tile(*ahead_.back(), tile_index(next_tile_++), buffer_);
+    execute_tile(*ahead_.back(), next_tile_++, buffer_);
   } else {
     // Failures are reported in tile order, whichever thread fails first.
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });
@@ -156,6 +159,10 @@ void FrontEnd::commit_slot(const Slot& slot) {
     ++longest;
   });
   program_.commit_tile(slot.tile);
+  if (predictions_) {
+    predictions_->commit_tile(slot.tile.prediction_updates);
+    room_.notify_all();
+  }
   if (itemised_) add_tile_costs(slot.tile);
   if (taken_ == tile_count()) finish_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];

@@ -203,7 +203,13 @@ void RunConfig::describe(auto& c, auto&& field) {
   field.group(NAMED(c.limits), "limits for scene files");
 }
 
-void RunConfig::check(auto&& complain) const { gpu->check(complain); }
+void RunConfig::check(auto&& complain) const {
+  gpu->check(complain);
+  if (gpu->tni.predictor.enabled && bvh.instances == traces::InstanceLevels::kTwoLevel) {
+    complain("tni.predictor.enabled",
+             "is true, and a predicted node has no instance; allowed with it: bvh.instances=flatten");
+  }
+}
 
 RunConfig load_run_config(const JobOptions& options) {
   RunConfig config;
