@@ -64,16 +64,16 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   std::unique_ptr<Slot> slot = std::move(spare_.back());
   spare_.pop_back();
   for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
+  slot->tile.prediction_updates.clear();
+  slot->tile.predictions = predictions_ ? &predictions_->table_of(next_tile_) : nullptr;
   return slot;
 }
 
-void FrontEnd::execute_tile(Slot& slot, std::uint32_t i, kernels::TileBuffer& buffer) const {
+void FrontEnd::execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::swap(slot.tile.buffer, buffer);
   slot.tile.wants_pixel_work = itemised_;
-  slot.tile.prediction_updates.clear();
-  slot.tile.predictions = predictions_ ? &predictions_->table_of(i) : nullptr;
-  program_.run_tile(tile_index(i), tracer_, record_, slot.tile);
+  program_.run_tile(tile, tracer_, record_, slot.tile);
   std::swap(slot.tile.buffer, buffer);
   slot.seconds = sim::seconds_since(begin);
 }
@@ -94,7 +94,7 @@ void FrontEnd::run_ahead() {
     }
     Slot& slot = *ahead_.back();
     slot.ready = false;
-    const std::uint32_t tile = next_tile_++;
+    const std::uint32_t tile = tile_index(next_tile_++);
     lock.unlock();
     try {
       execute_tile(slot, tile, buffer);
@@ -130,7 +130,7 @@ const traces::TileWork* FrontEnd::take_tile() {
   }
   if (threads_.empty()) {
     ahead_.push_back(take_slot());
-    execute_tile(*ahead_.back(), next_tile_++, buffer_);
+    execute_tile(*ahead_.back(), tile_index(next_tile_++), buffer_);
   } else {
     // Failures are reported in tile order, whichever thread fails first.
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });

@@ -85,11 +85,11 @@ class FrontEnd final : public hw::TileSource {
            (!predictions_ || next_tile_ < predictions_->end_of_startable());
   }
   const traces::TileWork* take_tile();
-  /// Returns a free tile slot. Its arrays are as large as any tile has needed so far, so that later tiles do not
-  /// allocate.
+  /// Returns a free tile slot for the tile `next_tile_`. Its arrays are as large as any tile has needed so far, so that
+  /// later tiles do not allocate.
   std::unique_ptr<Slot> take_slot();
-  /// Executes tile number `i` of those to execute. `buffer`: scratch memory of the thread, shared by its tiles.
-  void execute_tile(Slot& slot, std::uint32_t i, kernels::TileBuffer& buffer) const;
+  /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
+  void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
   void commit_slot(const Slot& slot);
   void add_tile_costs(const kernels::TileResult& tile);
   std::uint32_t tile_count() const {
