@@ -25,6 +25,7 @@
 #include "tools/studies/optimise/optimise.h"
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/report/report.h"
+#include "tools/studies/report/vendor_counters.h"
 #include "tools/studies/reproduce/reproduce.h"
 #include "tools/studies/worth/worth.h"
 

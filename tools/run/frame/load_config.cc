@@ -14,6 +14,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "sim/config/config.h"
 #include "sim/config/quantity.h"
 #include "sim/edit_distance.h"
@@ -149,6 +150,8 @@ constexpr std::array kIneffectiveKeys = {
                              c.scene.lights.rig != traces::LightRig::kSun;
                     },
                     "without scene.lights.rig=point or sun"},
+    IneffectiveKeys{"tni.predictor.", [](const RunConfig& c) { return !c.gpu->tni.predictor.enabled; },
+                    "without tni.predictor.enabled"},
     IneffectiveKeys{"slc.", [](const RunConfig& c) { return !c.gpu->slc.is_present(); }, "without slc.size"},
     IneffectiveKeys{"background.", [](const RunConfig& c) { return c.gpu->background.rate == 0; },
                     "without background.rate"},
@@ -160,7 +163,7 @@ constexpr std::array kIneffectiveKeys = {
 
 /// True for a key that turns other keys on or off.
 bool is_switch(std::string_view key) {
-  return key.ends_with(".source") || key == "slc.size" || key == "background.rate";
+  return key.ends_with(".source") || key.ends_with(".enabled") || key == "slc.size" || key == "background.rate";
 }
 
 /// Warns if dram.grade is set to the name of a grade that has a configuration file.
@@ -365,14 +368,15 @@ std::vector<std::string> latency_warnings(const RunConfig& config) {
 
 namespace {
 
-/// Returns the report of an idle rasteriser, so that table entries of rasterisers are valid for frames without one.
-sim::UnitReport absent_rasteriser() {
+/// Returns the report of an idle unit, so that table entries of such units are valid for machines without one.
+template <class Unit>
+sim::UnitReport absent_unit() {
   sim::UnitReport unit;
-  unit.path = hw::unit_name_in_core(hw::RasterUnit::kName, 0);
-  unit.block = names_of(hw::Block{})[static_cast<std::size_t>(hw::RasterUnit::kBlock)];
-  const hw::RasterUnit::Stats none;
-  hw::RasterUnit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,
-                                            const char* event = "", sim::CounterKind kind = sim::CounterKind::kSum) {
+  unit.path = hw::unit_name_in_core(Unit::kName, 0);
+  unit.block = names_of(hw::Block{})[static_cast<std::size_t>(Unit::kBlock)];
+  const typename Unit::Stats none;
+  Unit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,
+                                  const char* event = "", sim::CounterKind kind = sim::CounterKind::kSum) {
     unit.counters.push_back({name, meaning, value, event, kind});
   });
   return unit;
@@ -382,7 +386,8 @@ sim::UnitReport absent_rasteriser() {
 
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config) {
   std::vector<sim::UnitReport> all(units.begin(), units.end());
-  all.push_back(absent_rasteriser());
+  all.push_back(absent_unit<hw::RasterUnit>());
+  all.push_back(absent_unit<hw::PredictorStage>());
   std::vector<std::string> declared;
   for (const sim::UnitReport& unit : all) {
     for (const sim::CounterReport& counter : unit.counters) {
