@@ -18,7 +18,7 @@ using test::decode, test::encode, test::same;
 
 /// Returns a tile of shadow rays with look-ups. The table has learnt from the same rays.
 TileWork tile_with_look_ups(const MemoryImage& image, const std::vector<Ray>& rays) {
-  const PredictorConfig config{.enabled = true};
+  const PredictorConfig config{.enabled = true, .origin_bits = 3};
   const BvhTracer tracer(image, config);
   PredictorTable table(config);
   TileWork tile;
