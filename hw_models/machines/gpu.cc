@@ -162,15 +162,16 @@ void Gpu::build_tree_builder(const Workload& workload, const MemoryPort& memory)
 
 Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId memory_interface) {
   const std::size_t depth = config_.direct_interface.depth;
-  const sim::UnitId srp = core.srp_id, tni = core.tni.dispatcher_id();
+  const sim::UnitId srp = core.srp_id, tni = core.tni.dispatcher_id(), rays_in = core.tni.rays_in_id();
   if (config_.direct_interface.enabled) {
-    auto& rays = machine_.link<RayJob>(depth, 1, srp, tni);
+    auto& rays = machine_.link<RayJob>(depth, 1, srp, rays_in);
     auto& hits = machine_.link<RayDone>(depth, 1, tni, srp);
     return {rays, rays, hits, hits};
   }
-  return {
-      machine_.link<RayJob>(depth, 1, srp, memory_interface), machine_.link<RayJob>(depth, 1, memory_interface, tni),
-      machine_.link<RayDone>(depth, 1, tni, memory_interface), machine_.link<RayDone>(depth, 1, memory_interface, srp)};
+  return {machine_.link<RayJob>(depth, 1, srp, memory_interface),
+          machine_.link<RayJob>(depth, 1, memory_interface, rays_in),
+          machine_.link<RayDone>(depth, 1, tni, memory_interface),
+          machine_.link<RayDone>(depth, 1, memory_interface, srp)};
 }
 
 Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t core_number) {

@@ -64,7 +64,7 @@ template <class Rays>
 RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfaceConfig& direct, sim::UnitId source,
                                       Rays& rays, TniCore& tni, const TniCore::Scene& scene,
                                       std::span<const MemoryPort> memory) {
-  auto& jobs = machine.link<RayJob>(direct.depth, 1, source, tni.dispatcher_id());
+  auto& jobs = machine.link<RayJob>(direct.depth, 1, source, tni.rays_in_id());
   auto& dones = machine.link<RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
   auto& built = machine.build<RaySource<Rays>>(source, source.clock, direct.interval, rays, jobs, dones);
   tni.build_units(machine, scene, direct.interval, {jobs, dones, memory});

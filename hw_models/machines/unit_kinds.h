@@ -17,6 +17,7 @@
 #include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
 
@@ -40,6 +41,7 @@ inline constexpr std::array<UnitKind, 16> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {Ist::kName, Ist::kReasons},
                                                          {Trv::kName, Trv::kReasons},
                                                          {RayDispatcher::kName, RayDispatcher::kReasons},
+                                                         {PredictorStage::kName, PredictorStage::kReasons},
                                                          {RasterUnit::kName, RasterUnit::kReasons},
                                                          {TreeBuilder::kName, TreeBuilder::kReasons},
                                                          {TileBuffer::kName, TileBuffer::kReasons},

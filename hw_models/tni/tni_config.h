@@ -10,6 +10,7 @@
 #include "sim/named.h"
 #include "sim/unit_report.h"
 #include "traces/accel/node_format.h"
+#include "traces/accel/ray_predictor.h"
 
 namespace hw {
 
@@ -301,6 +302,7 @@ struct TniConfig {
   DispatcherConfig dispatcher;
   TrvConfig trv;
   IstConfig ist;
+  traces::PredictorConfig predictor;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -309,13 +311,13 @@ struct TniConfig {
           Affects::kTiming);
     field(NAMED(c.link_depth), "entries", "slots of each link inside the unit", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
-    field.not_modelled("predictor", "every ray starts at the root of the tree");
     field(NAMED(c.miss_handling), "", "how a ray or leaf that misses in its L1 is handled", sim::any(),
           Affects::kTiming);
     field.group(NAMED(c.rau), "table of waiting rays, one per L1, with miss_handling: rau");
     field.group(NAMED(c.dispatcher), "ray dispatcher");
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
+    field.group(NAMED(c.predictor), "predictor of any-hit rays");
   }
   void check(auto&& complain) const {
     if (ists > trvs) {
@@ -323,6 +325,9 @@ struct TniConfig {
     }
     if (trv.gather != Gather::kOff && miss_handling != MissHandling::kReorder)
       complain("miss_handling", "is not reorder; allowed with tni.trv.gather: off, groups wait in the input buffer");
+    if (predictor.enabled && trv.stack_push == StackPush::kNode) {
+      complain("predictor.enabled", "is true, and stack entries are nodes; allowed with it: trv.stack_push=child");
+    }
   }
   /// Returns the SRAM bytes of one traversal unit, or of one intersection unit, with its RAU table if it has one.
   /// `tree`: kind of the trees for which the unit is built.

@@ -21,6 +21,7 @@ TniConfig with_ideal_pipes(TniConfig config) {
   config.ist.decode_interval = 1;
   config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
   config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
+  config.predictor.latency = 1;
   return config;
 }
 
@@ -52,6 +53,10 @@ TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& id
     trv_ids_.push_back(machine.unit({unit_name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
                                      config.trv_sram_bytes(tree), config.trv.l1.size.bytes, config.trv.parts(tree)}));
   }
+  if (config.predictor.enabled) {
+    predictor_id_ =
+        machine.unit({unit_name_in_core(PredictorStage::kName, core), clock, core + 1, config.predictor.sram_bytes()});
+  }
 }
 
 std::vector<MemoryClient> TniCore::memory_clients() const {
@@ -72,7 +77,14 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
   const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
   const sim::Clock clock = dispatcher_id_.clock;
   const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
-  RayDispatcher::Links dispatcher{links.rays_in, links.hits_out, {}, {}};
+  sim::Link<RayJob>* rays = &links.rays_in;
+  if (predictor_id_) {
+    const std::uint32_t latency = config_.predictor.latency;
+    rays = &machine.link<RayJob>(latency + depth, latency, *predictor_id_, dispatcher_id_);
+    predictor_ =
+        &machine.build<PredictorStage>(*predictor_id_, ideal_.tni, PredictorStage::Links{links.rays_in, *rays}, clock);
+  }
+  RayDispatcher::Links dispatcher{*rays, links.hits_out, {}, {}};
   std::vector<LeafLinks> leaves;
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const sim::UnitId trv = trv_ids_[t], ist = ist_ids_[t % ist_ids_.size()];

@@ -45,8 +45,7 @@ struct Frame {
   std::uint32_t number = 0;
   float scene_size = 1;                        ///< longest side of the scene's bounds, in frame 0
   const traces::TreeBuilds* builds = nullptr;  ///< trees that the machine builds; null: the host builds them
-  float scene_size = 1;                     ///< longest side of the scene's bounds, in frame 0
-  const DenoiseHistory* history = nullptr;  ///< of the previous frame, for the denoiser; null: none
+  const DenoiseHistory* history = nullptr;     ///< of the previous frame, for the denoiser; null: none
 };
 
 /// Throws InputError if the program cannot be denoised as configured.

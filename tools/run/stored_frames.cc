@@ -176,6 +176,7 @@ void StoredFrames::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
     scope_ = trace_.tile_scope(part, static_cast<std::uint32_t>(kernels_.size()));
+    scope_.look_ups = inputs_.config.gpu->tni.predictor.enabled;
     trace_.add_file_name_to_errors([&] { fill_recorded_bvh(scope_, inputs_.config.bvh, inputs_.image); });
     inputs_.stored_triangles = scope_.counts.triangles;
     inputs_.parents = traces::parent_indices(inputs_.image);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
@@ -33,7 +34,7 @@ struct Recorder {
 
   std::vector<float> record_frame(const Inputs& inputs, std::uint32_t threads, Progress& progress,
                                   traces::TraceWriter& trace, bool reference) {
-    const traces::BvhTracer tracer(inputs.image);
+    const traces::BvhTracer tracer(inputs.image, inputs.config.gpu->tni.predictor);
     return render_frame(
                inputs, spec, tracer, threads,
                {.rates = &rates, .history = &history, .progress = &progress, .trace = &trace, .reference = reference})

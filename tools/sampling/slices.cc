@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/error.h"
@@ -202,6 +203,10 @@ void check_sliceable(const RunConfig& config) {
   if (render.effect_rate != kernels::EffectRate::kFull) {
     throw sim::InputError(
         "--slices: tiles wait for what effects found in others, of other slices; allowed: render.effect_rate=full");
+  }
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError(
+        "--slices: a predictor learns from tiles of other slices; allowed: tni.predictor.enabled=false");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -372,6 +373,9 @@ void check_programs(const RunConfig& config) {
   if (render.effect_rate != kernels::EffectRate::kFull) {
     throw sim::InputError(
         "--tile-sampling: tiles wait for what effects found in others; allowed: render.effect_rate=full");
+  }
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError("--tile-sampling: a predictor learns from all tiles; allowed: tni.predictor.enabled=false");
   }
 }
 

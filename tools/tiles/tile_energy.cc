@@ -157,7 +157,7 @@ const std::vector<SharingRule>& special_rules() {
 /// Returns the kind of work by which the energy of a unit's counters is shared, except for the counters in
 /// special_rules(). Returns nothing if the energy is shared by time.
 std::optional<Kind> default_kind_of_work(const sim::UnitReport& unit) {
-  if (unit.type == typeid(hw::RayDispatcher)) return kRays;
+  if (unit.type == typeid(hw::RayDispatcher) || unit.type == typeid(hw::PredictorStage)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;
   if (unit.type == typeid(hw::Ist)) return kTests;
   if (unit.type == typeid(hw::TileBuffer)) return kBufferAccesses;

@@ -266,7 +266,7 @@ void check_imports(const TileWork& work) {
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
 constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses; rises by 8 per encoded byte
 
-enum WalkEncoding : std::uint32_t { kCompact = 0, kPlain = 1 };
+enum WalkEncoding : std::uint32_t { kCompact = 0, kPlain = 1, kCompactLookUps = 2, kWalkEncodings };
 
 void append_words(const std::vector<std::uint32_t>& words, std::string& out) {
   const std::size_t before = out.size();
@@ -279,8 +279,9 @@ void write_walks(const TileWork& work, const Links& links, std::string& out) {
   to.write_number(work.ray_begin.size());
   to.write_number(work.walk.size());
   const std::size_t form = out.size();
-  to.write_byte(kCompact);
-  if (encode_walks(work, links, out)) return;
+  const bool look_ups = has_look_ups(work);
+  to.write_byte(look_ups ? kCompactLookUps : kCompact);
+  if (encode_walks(work, links, look_ups, out)) return;
   out[form] = static_cast<char>(kPlain);
   append_words(work.walk, out);
 }
@@ -539,15 +540,19 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
   // Each walk takes at least one bit.
   if (rays != rays_ || rays > 8 * from.bytes_left()) throw sim::InputError("has not as many walks as rays");
   const std::uint32_t words = from.read_number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
-  const std::uint32_t form = read_flag(from, "form of walks");
+  const std::uint32_t form = from.read_byte();
+  if (form >= kWalkEncodings) ByteReader::throw_out_of_range("form of walks");
+  if (form == kCompactLookUps && !scope.look_ups) {
+    throw sim::InputError("has walks with look-ups; allowed without tni.predictor: none");
+  }
   const std::string_view rest = from.read_bytes(from.bytes_left());
   if (form == kPlain) {
     if (rest.size() != 4 * std::uint64_t{words}) throw sim::InputError("has not as many walks as it says");
-    found_.steps = decode_plain_walks(rest, scope.links, rays, work);
+    found_.steps = decode_plain_walks(rest, scope.links, scope.look_ups, rays, work);
   } else {
     // Each word takes at least one bit.
     if (words > 8 * std::uint64_t{rest.size()}) ByteReader::throw_out_of_range("words of walks");
-    found_.steps = decode_walks(rest, scope.links, rays, words, work);
+    found_.steps = decode_walks(rest, scope.links, form == kCompactLookUps, rays, words, work);
   }
   return found_;
 }

@@ -104,7 +104,8 @@ Method::Method(const std::string& scene, const std::string& program, const kerne
     : Method(traces::open_scene(scene), program, programs, render_config(width, height, tile), bvh) {}
 
 Method::Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-               const kernels::RenderConfig& render, const traces::BvhConfig& bvh)
+               const kernels::RenderConfig& render, const traces::BvhConfig& bvh,
+               const traces::PredictorConfig& predictor)
     : spec_(kernels::parse_program(program)),
       programs_(programs),
       render_(render),
@@ -112,7 +113,7 @@ Method::Method(const traces::Scene& scene, const std::string& program, const ker
       camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, bvh, 1, nullptr, render.mip_maps)),
       parents_(traces::parent_indices(image_)),
-      tracer_(image_) {}
+      tracer_(image_, predictor) {}
 
 std::unique_ptr<kernels::FrameProgram> Method::make() const {
   return kernels::make_program(spec_,

@@ -53,7 +53,8 @@ class Method {
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
          std::uint32_t width, std::uint32_t height, std::uint32_t tile, const traces::BvhConfig& bvh = {});
   Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-         const kernels::RenderConfig& render, const traces::BvhConfig& bvh = {});
+         const kernels::RenderConfig& render, const traces::BvhConfig& bvh = {},
+         const traces::PredictorConfig& predictor = {});
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
 

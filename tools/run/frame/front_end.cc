@@ -35,6 +35,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       itemised_(itemised),
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+  if (record && tracer.ray_predictor() != nullptr) predictions_.emplace(*tracer.ray_predictor());
   if (itemised) {
     result_.summaries.tiles.reserve(tile_count());
     result_.pixels.resize(program.picture().size() / 3);
@@ -65,6 +66,8 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   std::unique_ptr<Slot> slot = std::move(spare_.back());
   spare_.pop_back();
   for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
+  slot->tile.prediction_updates.clear();
+  slot->tile.predictions = predictions_ ? &predictions_->table_of(next_tile_) : nullptr;
   return slot;
 }
 
@@ -158,6 +161,10 @@ void FrontEnd::commit_slot(const Slot& slot) {
     ++longest;
   });
   program_.commit_tile(slot.tile);
+  if (predictions_) {
+    predictions_->commit_tile(slot.tile.prediction_updates);
+    room_.notify_all();
+  }
   if (itemised_) add_tile_costs(slot.tile);
   if (taken_ == tile_count()) finish_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];

@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
 #include "tools/host/progress.h"
+#include "traces/accel/ray_predictor.h"
 #include "traces/ray.h"
 
 namespace hw {
@@ -48,6 +50,7 @@ struct RenderResult {
 
 /// Executes a frame program tile by tile, in the order of the tile list, and keeps the picture. Worker threads run
 /// ahead of the machine by a bounded number of tiles and bytes. The results are independent of the number of threads.
+/// If the tracer has a ray predictor, a recorded tile starts only after the tile `lag` before it has been committed.
 class FrontEnd final : public hw::TileSource {
  public:
   /// `workers`: threads in addition to the caller's; 0: next() executes tiles. `record`: also record the work for a
@@ -78,11 +81,12 @@ class FrontEnd final : public hw::TileSource {
   void run_ahead();
   bool can_execute_ahead() const {
     constexpr std::uint64_t kMaxBytes = 256U << 20;
-    return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
+    return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes &&
+           (!predictions_ || next_tile_ < predictions_->end_of_startable());
   }
   const traces::TileWork* take_tile();
-  /// Returns a free tile slot. Its arrays are as large as any tile has needed so far, so that later tiles do not
-  /// allocate.
+  /// Returns a free tile slot for the tile `next_tile_`. Its arrays are as large as any tile has needed so far, so that
+  /// later tiles do not allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
   void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
@@ -97,6 +101,7 @@ class FrontEnd final : public hw::TileSource {
   const traces::Tracer& tracer_;
   const bool record_, itemised_;
   const std::vector<std::uint32_t> tile_indices_;
+  std::optional<traces::PredictorHistory> predictions_;  ///< if the tracer's rays are predicted and recorded
   RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;

@@ -15,6 +15,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "sim/config/config.h"
 #include "sim/config/quantity.h"
 #include "sim/edit_distance.h"
@@ -159,6 +160,8 @@ constexpr std::array kIneffectiveKeys = {
                     "without build.engine=unit"},
     IneffectiveKeys{"tree_builder.", [](const RunConfig& c) { return c.build.engine != traces::BuildEngine::kUnit; },
                     "without build.engine=unit"},
+    IneffectiveKeys{"tni.predictor.", [](const RunConfig& c) { return !c.gpu->tni.predictor.enabled; },
+                    "without tni.predictor.enabled"},
     IneffectiveKeys{"slc.", [](const RunConfig& c) { return !c.gpu->slc.is_present(); }, "without slc.size"},
     IneffectiveKeys{"background.", [](const RunConfig& c) { return c.gpu->background.rate == 0; },
                     "without background.rate"},
@@ -170,7 +173,7 @@ constexpr std::array kIneffectiveKeys = {
 
 /// True for a key that turns other keys on or off.
 bool is_switch(std::string_view key) {
-  return key.ends_with(".source") || key == "slc.size" || key == "background.rate";
+  return key.ends_with(".source") || key.ends_with(".enabled") || key == "slc.size" || key == "background.rate";
 }
 
 /// Warns if dram.grade is set to the name of a grade that has a configuration file.
@@ -216,6 +219,10 @@ void RunConfig::describe(auto& c, auto&& field) {
 
 void RunConfig::check(auto&& complain) const {
   gpu->check(complain);
+  if (gpu->tni.predictor.enabled && bvh.instances == traces::InstanceLevels::kTwoLevel) {
+    complain("tni.predictor.enabled",
+             "is true, and a predicted node has no instance; allowed with it: bvh.instances=flatten");
+  }
   if (build.engine == traces::BuildEngine::kUnit && bvh.builder == traces::TreeBuilder::kPloc &&
       gpu->tree_builder.comparators == 0) {
     complain("build.engine",
@@ -414,6 +421,7 @@ sim::UnitReport absent_unit(const std::string& path, const std::vector<sim::Unit
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config) {
   std::vector<sim::UnitReport> all(units.begin(), units.end());
   all.push_back(absent_unit<hw::RasterUnit>(hw::unit_name_in_core(hw::RasterUnit::kName, 0)));
+  all.push_back(absent_unit<hw::PredictorStage>(hw::unit_name_in_core(hw::PredictorStage::kName, 0)));
   all.push_back(absent_unit<hw::TreeBuilder>(hw::TreeBuilder::kName, config.gpu->tree_builder.parts()));
   std::vector<std::string> declared;
   for (const sim::UnitReport& unit : all) {

@@ -35,6 +35,7 @@ InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameReq
                           requirements.region_bytes,
                           requirements.raster,
                           requirements.build};
+  scope.look_ups = inputs.config.gpu->tni.predictor.enabled;
   if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
   scope.kernels = static_cast<std::uint32_t>(kernels::kernel_catalogue().size());
   scope.tile_bytes = traces::most_tile_bytes(requirements);
@@ -297,7 +298,7 @@ void FrameResult::add(const FrameResult& frame) {
 FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                            const SimulateOptions& extras) {
   const PreparedProgram made(inputs, program, extras);
-  const traces::BvhTracer tracer(inputs.image);
+  const traces::BvhTracer tracer(inputs.image, inputs.config.gpu->tni.predictor);
   SimulateOptions own = extras;
   std::optional<PreparedProgram> previous;
   if (inputs.config.frame.start == FrameStart::kWarm && !extras.caches) {
@@ -377,7 +378,7 @@ RecordedFrame::RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& p
                              std::uint32_t threads, Progress* progress)
     : inputs_(inputs), threads_(threads), progress_(progress) {
   const PreparedProgram made(inputs, program, {});
-  const traces::BvhTracer tracer(inputs.image);
+  const traces::BvhTracer tracer(inputs.image, inputs.config.gpu->tni.predictor);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads));
   RunTiles tiles(front_end, made.frame->tiles(), progress);
   const kernels::FrameRequirements requirements = made.frame->requirements();
@@ -403,7 +404,9 @@ std::vector<FrameResult> RecordedFrame::simulate(std::span<const RunConfig> conf
 RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                           std::uint32_t threads, const SimulateOptions& extras) {
   const PreparedProgram made(inputs, program, extras);
-  FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
+  // A predictor's table consists of what recorded rays have found.
+  const bool records = extras.trace != nullptr || tracer.ray_predictor() != nullptr;
+  FrontEnd front_end(*made.frame, tracer, host_threads(threads), records);
   RunTiles tiles(front_end, made.frame->tiles(), extras.progress);
   begin_part(inputs, made.frame->requirements(), extras);
   tiles.set_recorders(extras.trace, nullptr);
