@@ -27,15 +27,15 @@ Mechanism with_key(const Mechanism& base, const std::string& text, const std::st
 }
 
 /// Rays of a frame: the frame program and its settings.
-struct RayMix {
+struct TracedRays {
   std::string name, program;
   Sets sets;
 };
 
-const RayMix kPaths{"path rays", "path:1", {"render.depth=4"}};
-const RayMix kPrimaries{"primary rays", "full:1", {"render.depth=1", "render.effects=none"}};
+const TracedRays kPaths{"path rays", "path:1", {"render.depth=4"}};
+const TracedRays kPrimaries{"primary rays", "full:1", {"render.depth=1", "render.effects=none"}};
 
-Case coherence_case(const View& view, const std::string& setting, const RayMix& rays, const Sets& run,
+Case coherence_case(const View& view, const std::string& setting, const TracedRays& rays, const Sets& run,
                     const Sets& reference, bool quick) {
   const Sets machine = join_sets(tni_alone_settings(), rays.sets);
   Case c = case_of_full_1(view, fmt::format("{}, {}", setting, rays.name), join_sets(machine, run),
@@ -50,13 +50,13 @@ const std::vector<std::string> kOfOrder = {"speedup", "energy_ratio", "l1_first_
                                            "dram_bytes_ratio"};
 
 void add_mechanisms(std::vector<Case>& cases, const View& view, bool quick) {
-  const auto add = [&](const Mechanism& m, const RayMix& rays, const std::string& experiment,
+  const auto add = [&](const Mechanism& m, const TracedRays& rays, const std::string& experiment,
                        const std::vector<std::string>& metrics) {
     Case c = coherence_case(view, m.name, rays, m.sets, {}, quick);
     c.metrics = metric_list(experiment, metrics);
     cases.push_back(std::move(c));
   };
-  for (const RayMix& rays : {kPaths, kPrimaries}) {
+  for (const TracedRays& rays : {kPaths, kPrimaries}) {
     add(kIdeal, rays, "upper bound", {"speedup", "energy_ratio"});
     add(kStack, rays, "stack prefetch 2026", kOfPrefetch);
     add(kTreelet, rays, "treelet prefetch 2023", kOfPrefetch);
