@@ -30,7 +30,7 @@ struct UnitKind {
 };
 
 /// All kinds of units, starting with memory: each kind precedes the kinds that wait for it.
-inline constexpr std::array<UnitKind, 16> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+inline constexpr std::array<UnitKind, 17> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {BackgroundSource::kName, BackgroundSource::kReasons},
                                                          {SystemCacheSlice::kName, SystemCacheSlice::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},

@@ -11,7 +11,7 @@
 namespace tools {
 namespace {
 
-using Colour = std::array<double, 3>;
+using Triple = std::array<double, 3>;
 using Plane = std::vector<float>;
 using Planes = std::array<Plane, 3>;
 
@@ -19,22 +19,22 @@ constexpr double kPixelsPerDegree = 67;
 constexpr double kColourExponent = 0.7, kColourLimit = 0.4, kColourShare = 0.95;
 constexpr double kFeatureExponent = 0.5, kFeatureWidth = 0.082;
 /// White point D65.
-constexpr Colour kWhite{0.950428545, 1, 1.088900371};
+constexpr Triple kWhitePoint{0.950428545, 1, 1.088900371};
 
 /// Linear sRGB to XYZ, divided by the white point.
-Colour to_xyz(const Colour& rgb) {
+Triple to_xyz(const Triple& rgb) {
   const auto [r, g, b] = rgb;
-  return {(10135552.0 * r + 8788810.0 * g + 4435075.0 * b) / 24577794.0 / kWhite[0],
-          (2613072.0 * r + 8788810.0 * g + 887015.0 * b) / 12288897.0 / kWhite[1],
-          (1425312.0 * r + 8788810.0 * g + 70074185.0 * b) / 73733382.0 / kWhite[2]};
+  return {(10135552.0 * r + 8788810.0 * g + 4435075.0 * b) / 24577794.0 / kWhitePoint[0],
+          (2613072.0 * r + 8788810.0 * g + 887015.0 * b) / 12288897.0 / kWhitePoint[1],
+          (1425312.0 * r + 8788810.0 * g + 70074185.0 * b) / 73733382.0 / kWhitePoint[2]};
 }
 
-Colour to_opponent(const Colour& xyz) { return {116 * xyz[1] - 16, 500 * (xyz[0] - xyz[1]), 200 * (xyz[1] - xyz[2])}; }
+Triple to_opponent(const Triple& xyz) { return {116 * xyz[1] - 16, 500 * (xyz[0] - xyz[1]), 200 * (xyz[1] - xyz[2])}; }
 
 /// Returns linear sRGB, clamped to [0, 1], of a colour in the opponent space YCxCz.
-Colour rgb_of_opponent(const Colour& c) {
+Triple rgb_of_opponent(const Triple& c) {
   const double y = (c[0] + 16) / 116;
-  const double x = (c[1] / 500 + y) * kWhite[0], z = (y - c[2] / 200) * kWhite[2];
+  const double x = (c[1] / 500 + y) * kWhitePoint[0], z = (y - c[2] / 200) * kWhitePoint[2];
   const auto clamped = [](double v) { return std::clamp(v, 0.0, 1.0); };
   return {clamped(3.241003275 * x - 1.537398934 * y - 0.498615861 * z),
           clamped(-0.969224334 * x + 1.875930071 * y + 0.041554224 * z),
@@ -42,8 +42,8 @@ Colour rgb_of_opponent(const Colour& c) {
 }
 
 /// Returns L*a*b* with the Hunt effect: dark colours are less colourful.
-Colour to_hunt_lab(const Colour& rgb) {
-  const Colour xyz = to_xyz(rgb);
+Triple to_hunt_lab(const Triple& rgb) {
+  const Triple xyz = to_xyz(rgb);
   const auto curve = [](double t) {
     constexpr double kDelta = 6.0 / 29;
     return t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (3 * kDelta * kDelta) + 4.0 / 29;
@@ -53,7 +53,7 @@ Colour to_hunt_lab(const Colour& rgb) {
   return {lightness, 0.01 * lightness * 500 * (x - y), 0.01 * lightness * 200 * (y - z)};
 }
 
-double hyab_distance(const Colour& a, const Colour& b) {
+double hyab_distance(const Triple& a, const Triple& b) {
   return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
@@ -128,7 +128,7 @@ Plane filter_contrast(const Plane& from, std::size_t width, std::initializer_lis
 
 /// What FLIP compares of a picture.
 struct Perceived {
-  std::vector<Colour> colours;        ///< filtered colours, Hunt-adjusted L*a*b*
+  std::vector<Triple> colours;        ///< filtered colours, Hunt-adjusted L*a*b*
   std::vector<double> edges, points;  ///< magnitudes of edges and points
 };
 
@@ -146,7 +146,7 @@ Perceived perceive_picture(std::span<const float> rgb, std::size_t width) {
   Plane lightness;
   for (std::size_t i = 0; i < rgb.size(); i += 3) {
     const auto channel = [&](std::size_t c) { return std::clamp(static_cast<double>(rgb[i + c]), 0.0, 1.0); };
-    const Colour opponent = to_opponent(to_xyz({channel(0), channel(1), channel(2)}));
+    const Triple opponent = to_opponent(to_xyz({channel(0), channel(1), channel(2)}));
     for (std::size_t c = 0; c < 3; ++c) planes[c].push_back(static_cast<float>(opponent[c]));
     lightness.push_back(static_cast<float>((opponent[0] + 16) / 116));
   }
