@@ -219,7 +219,7 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
   out.box_bytes = records * traces::box_bytes(config.bvh.box_numbers(), config.bvh.boxes);
   out.node_bytes = inputs_->image.node_array_bytes();
-  out.bytes_per_triangle = traces::bvh_info(inputs_->image, config.bvh).bytes_per_triangle();
+  out.bytes_per_triangle = traces::bytes_per_triangle(inputs_->image);
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
   const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};

@@ -16,7 +16,7 @@ namespace traces {
 /// 2. In a round each cluster finds the cluster at most `config.ploc_radius` positions away whose box together with its
 ///    own has the least area. Two clusters that find each other are merged, at the position of the first.
 /// 3. Of equal areas, the nearer position wins, then pairs that begin at an even position, then the earlier position.
-///    So many clusters of equal boxes merge at once.
+///    Therefore equal boxes merge in pairs.
 /// 4. If 256 clusters or more have less than one pair per 64 clusters, as nested boxes do, clusters 2k and 2k + 1 are
 ///    merged instead. So the work of all rounds is at most proportional to the number of items.
 BinaryTree build_ploc(std::span<const Bounds> boxes, const BvhConfig& config, sim::Stop stop,

@@ -322,16 +322,18 @@ TEST(Builders, GiveEachFigureOfTheCrowdATree) {
   expect_same_hits(image, build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}), random_rays(1000));
 }
 
-/// SAH costs divided by those of Embree's tree; the bounds are 10 % around the measured values. Beyond the published
-/// ranges is the teapot by lbvh: half of its tree's cost is the floor's, which is as good in every tree.
+/// SAH costs divided by those of Embree's tree; the bounds are 10 % around the measured values. Values outside of the
+/// expected ranges are in tests/validation/DEVIATIONS.md (T1, T2).
 TEST(Builders, HaveTheCostsMeasuredOnBuiltinScenes) {
   struct Row {
     const char* scene;
     std::uint32_t triangles;
     double lbvh, ploc;
   };
-  for (const Row& row :
-       {Row{"cornell", 0, 1.12, 1.02}, {"teapot", 0, 1.05, 0.96}, {"chess", 8000, 1.25, 1}, {"crowd", 20'000, 1, 1}}) {
+  for (const Row& row : {Row{"cornell", 0, 1.117, 1.018},
+                         {"teapot", 0, 1.049, 0.961},
+                         {"chess", 8000, 1.245, 0.936},
+                         {"crowd", 20'000, 1.79, 0.942}}) {
     const Scene scene = build_scene(row.scene, {.triangles = row.triangles});
     const auto cost = [&](TreeBuilder builder) {
       return bvh_info(build_memory_image(scene, {.builder = builder}, 1)).sah_cost;
