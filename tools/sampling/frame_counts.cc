@@ -15,7 +15,7 @@ namespace {
 
 /// Largest number of trees that are built to count a sequence. Chosen: updating the tree of 600,000 triangles takes as
 /// long as simulating a frame of 128x64, and counts need not be exact.
-constexpr std::uint32_t kTrees = 16;
+constexpr std::uint32_t kTrees = 8;
 
 }  // namespace
 

@@ -1,8 +1,8 @@
 #include "tools/run/representative_frames.h"
 
 #include <cstdint>
-#include <set>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -34,7 +34,7 @@ TEST(RepresentativeFrames, OfTwoCameraPositionsAreTwoClustersWithExactTotals) {
   const JobOptions options = orbit_options("180", "0:8");
   const sim::Json whole = report_of(options, ""), some = report_of(options, "auto");
   const sim::Json& totals = some["totals"];
-  EXPECT_EQ(some["sequence"]["cluster_of_frame"], (std::vector<int>{0, 1, 0, 1, 0, 1, 0, 1, 0}));
+  EXPECT_EQ(some["sequence"]["cluster_of_frame"], sim::Json(std::vector<std::uint32_t>{0, 1, 0, 1, 0, 1, 0, 1, 0}));
   EXPECT_EQ(totals["representative"]["simulated"], 4);
   EXPECT_EQ(totals["representative"]["frames"], 9);
   for (const char* metric : {"cycles", "rays", "traversal_steps", "dram_bytes"})
@@ -83,7 +83,7 @@ TEST(RepresentativeFrames, MayHaveSampledTiles) {
   options.image = "none";
   const sim::Json some = report_of(options, "2");
   const sim::Json& interval = some["totals"]["representative"]["cycles"];
-  EXPECT_LT(interval["low"], interval["estimate"]);
+  EXPECT_LT(interval["low"].get<double>(), interval["estimate"].get<double>());
   EXPECT_TRUE(some["frames"][0].contains("sampled"));
   EXPECT_FALSE(some["totals"].contains("sampled"));
 }
