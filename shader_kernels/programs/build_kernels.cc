@@ -183,8 +183,8 @@ std::vector<std::uint32_t> link_nodes(Keys& sorted) {
   ports.sorted.bind(sorted.data());
   ports.parents.bind(&parent);
   ports.last_triangle = last;
-  constexpr std::uint32_t kNone = 0xffffffffU;
-  std::vector<std::uint32_t> parents, other_end(sorted.size(), kNone);  // by split: end of the half that arrived first
+  constexpr std::uint32_t kNotVisited = 0xffffffffU;
+  std::vector<std::uint32_t> parents, other_end(sorted.size(), kNotVisited);  // by split: end of the half that arrived first
   for (std::uint32_t triangle = 0; triangle <= last; ++triangle) {
     range = {triangle, triangle};
     while (range.first != 0 || range.last != last) {
@@ -192,7 +192,7 @@ std::vector<std::uint32_t> link_nodes(Keys& sorted) {
       parents.push_back(parent.number);
       const bool is_left = parent.number == range.last && range.last != last;
       const std::uint32_t split = parent.number;
-      if (other_end[split] == kNone) {
+      if (other_end[split] == kNotVisited) {
         other_end[split] = is_left ? range.first : range.last;
         break;
       }

@@ -8,7 +8,7 @@ namespace kernels {
 
 namespace {
 
-constexpr std::uint32_t kBatchSpace = 16 * 1024;  // bytes of the tile buffer for a batch of kernels that build trees
+constexpr std::uint32_t kBatchSpace = 64 * 1024;  // bytes of the tile buffer for a batch of kernels that build trees
 
 }  // namespace
 

@@ -15,7 +15,7 @@
 namespace kernels {
 namespace {
 
-constexpr std::uint32_t kSpace = 16 * 1024;
+constexpr std::uint32_t kSpace = 64 * 1024;
 
 traces::MemoryImage image_of(const char* scene, std::uint32_t leaf_size = 4) {
   traces::BvhConfig bvh;

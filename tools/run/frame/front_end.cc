@@ -21,7 +21,6 @@ void for_each_array(auto& tile, auto&& f) {
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.ray_keys), f(work.accesses), f(work.access_begin),
       f(work.sources);
   f(work.raster), f(work.raster_triangles), f(work.list_runs);
-  f(work.build), f(work.build_triangles), f(work.build_order);
   f(tile.background), f(tile.shown), f(tile.marks), f(tile.pixel_work);
 }
 

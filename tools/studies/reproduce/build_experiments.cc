@@ -12,11 +12,9 @@ namespace tools::reproduce {
 namespace {
 
 std::vector<View> moving_views(bool quick) {
-  std::vector<View> views = {{.scene = "chess", .stand_in = "chess", .files = {}}};
-  if (!quick) {
-    views.push_back({.scene = "car", .stand_in = "car", .files = {}});
-    views.push_back({.scene = "large chess", .stand_in = "chess", .files = {}, .sets = {"scene.triangles=600000"}});
-  }
+  std::vector<View> views = {{.scene = "car", .stand_in = "car", .files = {}}};
+  if (!quick)
+    views.push_back({.scene = "large car", .stand_in = "car", .files = {}, .sets = {"scene.triangles=600000"}});
   for (View& view : views) {
     view.sets = join_sets(reproduction_settings(), view.sets);
     if (quick) view.sets.emplace_back("scene.triangles=3000");

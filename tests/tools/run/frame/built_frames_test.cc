@@ -41,7 +41,7 @@ TEST(BuiltFrames, AreRebuiltOrRefittedByPolicy) {
   const auto with = [](const std::vector<std::string>& sets) {
     std::vector<std::string> all = {"build.engine=unit"};
     all.insert(all.end(), sets.begin(), sets.end());
-    return builds_of(options_of("chess", all));
+    return builds_of(options_of("car", all));
   };
   EXPECT_EQ(with({}), "bbbb");
   EXPECT_EQ(with({"bvh.update=refit"}), "brrr");
@@ -49,12 +49,12 @@ TEST(BuiltFrames, AreRebuiltOrRefittedByPolicy) {
   EXPECT_EQ(with({"build.policy=refit"}), "brrr");
   EXPECT_EQ(with({"build.policy=period", "build.period=2"}), "brbr");
   EXPECT_EQ(with({"build.policy=cost", "build.cost_growth=1000"}), "brrr");
-  EXPECT_EQ(builds_of(options_of("chess", {"build.engine=unit", "build.policy=period", "build.period=2"}, "3:4")), "bb")
+  EXPECT_EQ(builds_of(options_of("car", {"build.engine=unit", "build.policy=period", "build.period=2"}, "3:4")), "bb")
       << "the first frame of a run is built";
 }
 
 TEST(BuiltFrames, ChargeOnlyMovingGeometry) {
-  EXPECT_EQ(builds_of(options_of("chess", {}, "0:1")), "--") << "the host builds";
+  EXPECT_EQ(builds_of(options_of("car", {}, "0:1")), "--") << "the host builds";
   EXPECT_EQ(builds_of(options_of("cornell", {"build.engine=unit", "scene.camera_path=orbit"}, "0:1")), "--");
 }
 
@@ -65,9 +65,9 @@ FrameResult first_frame(const JobOptions& options) {
 hw::test::Outcome outcome_of(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
 
 TEST(BuiltFrames, CostTimeAndEnergyOfTheirEngine) {
-  const FrameResult host = first_frame(options_of("chess", {}, "0"));
-  const FrameResult unit = first_frame(options_of("chess", {"build.engine=unit"}, "0"));
-  const FrameResult srp = first_frame(options_of("chess", {"build.engine=srp"}, "0"));
+  const FrameResult host = first_frame(options_of("car", {}, "0"));
+  const FrameResult unit = first_frame(options_of("car", {"build.engine=unit"}, "0"));
+  const FrameResult srp = first_frame(options_of("car", {"build.engine=srp"}, "0"));
   EXPECT_GT(unit.cycles, host.cycles);
   EXPECT_GT(srp.cycles, host.cycles);
   EXPECT_FALSE(host.energy.blocks.contains("build"));
@@ -80,15 +80,15 @@ TEST(BuiltFrames, CostTimeAndEnergyOfTheirEngine) {
 }
 
 TEST(BuiltFrames, InvalidateWarmCaches) {
-  const FrameResult cold = first_frame(options_of("chess", {"build.engine=unit"}, "0"));
-  const FrameResult warm = first_frame(options_of("chess", {"build.engine=unit", "frame.start=warm"}, "0"));
+  const FrameResult cold = first_frame(options_of("car", {"build.engine=unit"}, "0"));
+  const FrameResult warm = first_frame(options_of("car", {"build.engine=unit", "frame.start=warm"}, "0"));
   EXPECT_EQ(outcome_of(cold).sum("tree_builder", "lines_invalidated"), 0U);
   EXPECT_GT(outcome_of(warm).sum("tree_builder", "lines_invalidated"), 100U);
 }
 
 std::string complaint(std::vector<std::string> sets) {
   try {
-    load_run_config(options_of("chess", std::move(sets)));
+    load_run_config(options_of("car", std::move(sets)));
   } catch (const sim::InputError& error) {
     return error.what();
   }
