@@ -63,9 +63,7 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
 }
 
 PictureError RenderedFrames::compare_pictures(const FrameResult& frame, const FrameResult& reference) {
-  const kernels::RenderConfig& render = inputs_.config.render;
-  const bool is_denoised = inputs_.config.programs.denoise.filter != kernels::DenoiseFilter::kOff;
-  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb, is_denoised ? render.width : 0);
+  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb, perceived_width(inputs_.config));
 }
 
 namespace {
@@ -112,7 +110,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   out.set_missing_parts(frame, frames.replicates(), frames.has_reference() && !reference);
   const PictureError error = reference ? frames.compare_pictures(frame, *reference) : PictureError{};
   if (options.trace != nullptr && !out.partial)
-    options.trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
+    options.trace->end_frame(recorded_frame(inputs.frame, recorded_error(error)));
   if (options.on_frame) {
     options.on_frame({.inputs = inputs,
                       .frame = frame,
@@ -269,6 +267,17 @@ void RunResult::set_missing_parts(const FrameResult& frame, std::uint32_t replic
   missing = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
                         lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
   partial = frame.is_partial() || !missing.empty();
+}
+
+std::uint32_t perceived_width(const RunConfig& config) {
+  return config.programs.denoise.filter != kernels::DenoiseFilter::kOff ? config.render.width : 0;
+}
+
+RecordedError recorded_error(const PictureError& error) {
+  RecordedError recorded{error.squared, error.change, {}, {}};
+  if (error.perceived.frames != 0) recorded.flip = error.perceived.flip;
+  if (error.perceived.changes != 0) recorded.flicker = error.perceived.flicker;
+  return recorded;
 }
 
 std::string RunResult::finished_part_text(std::size_t all) const {

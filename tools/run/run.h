@@ -14,6 +14,7 @@
 #include "tools/analysis/report.h"
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/tiles/tile_table.h"
 #include "tools/timeline/timeline.h"
@@ -88,6 +89,12 @@ struct RunResult {
   /// Returns a text on how much of a run of `all` frames was finished before an interrupt.
   std::string finished_part_text(std::size_t all) const;
 };
+
+/// Returns the width with which a run's pictures are compared; 0 without a denoiser, as perceived errors then stay out of
+/// the report.
+std::uint32_t perceived_width(const RunConfig& config);
+/// Returns the errors of a frame that a trace contains.
+RecordedError recorded_error(const PictureError& error);
 
 /// Returns how many frames an interrupted run must have finished to replace an earlier result. If that is partial: as
 /// many as it has. If it is complete: one more than it has. If there is none: 1. `file`: report.json or verify.json.

@@ -81,9 +81,10 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
     const std::vector<float> picture = program.record_frame(inputs, options.threads, progress, *trace, false);
     PictureError error;
     if (reference) {
-      error = pictures.compare_frame(picture, reference->record_frame(inputs, options.threads, progress, *trace, true));
+      error = pictures.compare_frame(picture, reference->record_frame(inputs, options.threads, progress, *trace, true),
+                                     perceived_width(inputs.config));
     }
-    trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
+    trace->end_frame(recorded_frame(inputs.frame, recorded_error(error)));
   });
   trace->commit();
   progress.finish("done");

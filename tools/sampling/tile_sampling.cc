@@ -512,7 +512,7 @@ void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& progr
   sim::Json result = recorded_result(front_end.result());
   result["thinning"] = thinning;
   trace.end_part(std::move(result));
-  trace.end_frame(recorded_frame(inputs.frame, 0, {}));
+  trace.end_frame(recorded_frame(inputs.frame, {}));
 }
 
 void Interval::add_estimate(const Interval& other) {
