@@ -8,7 +8,6 @@
 
 #include "shader_kernels/programs/wavefront/sampling.h"
 #include "shader_kernels/records.h"
-#include "traces/accel/ray_predictor.h"
 #include "traces/raster/rasteriser.h"
 #include "traces/ray.h"
 #include "traces/stream.h"
@@ -181,10 +180,7 @@ struct PropagationSubpixel {
 struct TileResult {
   /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
-  /// If not null, recorded shadow rays look up this table, and their updates of it are appended to
-  /// `prediction_updates`.
-  const traces::PredictorTable* predictions = nullptr;
-  std::vector<traces::PredictorUpdate> prediction_updates;
+  const traces::TilePredictions* predictions = nullptr;  ///< if not null, recorded shadow rays are predicted
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the tile in the picture, in pixels
   std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]

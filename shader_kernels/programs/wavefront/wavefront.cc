@@ -64,12 +64,7 @@ TracedBatch WaveTracer::find_primary_hits(std::uint32_t ray_count, Node maker) {
 WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std::uint32_t first,
                                              std::uint32_t ray_count, Node maker, bool is_mapped) {
   const std::size_t first_ray = out_.work.ray_begin.size();
-  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
-  std::optional<traces::TilePredictions> predictions;
-  if (out_.predictions != nullptr) {
-    predictions.emplace(*tracer_.ray_predictor(), *out_.predictions, out_.prediction_updates);
-    sink.predictions = &*predictions;
-  }
+  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin, out_.predictions};
   tracer_.trace(std::span(slots.rays).subspan(first, ray_count), kind, std::span(slots.hits).subspan(first, ray_count),
                 graph_.is_recording() ? &sink : nullptr);
   if (graph_.is_recording()) {

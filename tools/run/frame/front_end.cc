@@ -65,8 +65,11 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   std::unique_ptr<Slot> slot = std::move(spare_.back());
   spare_.pop_back();
   for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
-  slot->tile.prediction_updates.clear();
-  slot->tile.predictions = predictions_ ? &predictions_->table_of(next_tile_) : nullptr;
+  if (predictions_) {
+    slot->updates.clear();
+    slot->predictions.emplace(*tracer_.ray_predictor(), predictions_->table_of(next_tile_), slot->updates);
+    slot->tile.predictions = &*slot->predictions;
+  }
   return slot;
 }
 
@@ -161,7 +164,7 @@ void FrontEnd::commit_slot(const Slot& slot) {
   });
   program_.commit_tile(slot.tile);
   if (predictions_) {
-    predictions_->commit_tile(slot.tile.prediction_updates);
+    predictions_->commit_tile(slot.updates);
     room_.notify_all();
   }
   if (itemised_) add_tile_costs(slot.tile);
