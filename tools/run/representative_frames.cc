@@ -36,6 +36,9 @@ void check_inputs(const Inputs& inputs) {
     throw sim::InputError(
         "--representative: effects of a reduced rate are not counted; allowed: render.effect_rate=full");
   }
+  if (inputs.config.programs.denoise.has_kernels()) {
+    throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
+  }
   if (inputs.config.thermal.minutes > 0) {
     throw sim::InputError("--representative: the governor needs every frame; allowed: thermal.minutes=0");
   }
@@ -95,9 +98,10 @@ FrameSampling parse_representative(const std::string& text) {
 }
 
 void check_representative(const kernels::ProgramSpec& program) {
-  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(
-      fmt::format("--representative: a frame of {} may depend on the frame before; allowed: full:N", program.name()));
+  using Kind = kernels::ProgramSpec::Kind;
+  if (program.kind == Kind::kFull || program.kind == Kind::kPath) return;
+  throw sim::InputError(fmt::format(
+      "--representative: a frame of {} may depend on the frame before; allowed: full:N, path:N", program.name()));
 }
 
 RepresentativeFrames::RepresentativeFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
