@@ -98,10 +98,9 @@ FrameSampling parse_representative(const std::string& text) {
 }
 
 void check_representative(const kernels::ProgramSpec& program) {
-  using Kind = kernels::ProgramSpec::Kind;
-  if (program.kind == Kind::kFull || program.kind == Kind::kPath) return;
-  throw sim::InputError(fmt::format(
-      "--representative: a frame of {} may depend on the frame before; allowed: full:N, path:N", program.name()));
+  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
+  throw sim::InputError(
+      fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
 }
 
 RepresentativeFrames::RepresentativeFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
