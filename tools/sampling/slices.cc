@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/error.h"
@@ -185,7 +186,16 @@ std::unique_ptr<kernels::FrameProgram> sliceable_program(const Inputs& inputs, c
                                       no_rates, inputs.frame, inputs.scene_size});
 }
 
-void check_sliceable(const kernels::RenderConfig& render) {
+void check_sliceable(const RunConfig& config) {
+  const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--slices: a denoiser reads all tiles, which no slice has; allowed: denoise.filter=off");
+  }
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--slices: all tiles wait for the frame's trees, which no slice builds; allowed: "
+        "build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -193,6 +203,10 @@ void check_sliceable(const kernels::RenderConfig& render) {
   if (render.effect_rate != kernels::EffectRate::kFull) {
     throw sim::InputError(
         "--slices: tiles wait for what effects found in others, of other slices; allowed: render.effect_rate=full");
+  }
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError(
+        "--slices: a predictor learns from tiles of other slices; allowed: tni.predictor.enabled=false");
   }
 }
 
@@ -326,7 +340,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 }
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
-  check_sliceable(config.render);
+  check_sliceable(config);
   const traces::MemoryImage no_scene;  // the list of tiles does not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());

@@ -46,6 +46,7 @@ Bounds bounds_of(const NodeRecord& node) {
 /// to be wide. Returns the order of the triangles in leaves.
 std::vector<std::uint32_t> set_nodes(FlatBvh&& bvh, const BvhConfig& config, MemoryImage& image) {
   std::vector<std::uint32_t> order = std::move(bvh.order);
+  image.build_statistics = {std::move(bvh.statistics)};
   if (config.is_wide()) {
     bvh.order = std::move(order);
     WideBvh wide = collapse_tree(bvh, config, max_triangles_of_merged_leaf(config));
@@ -121,7 +122,7 @@ MemoryImage reformat_tree(const MemoryImage& binary, const BvhConfig& config) {
   assert(!binary.is_wide() && !binary.grid && !binary.has_two_levels());
   MemoryImage image;
   image.triangles = binary.triangles;
-  FlatBvh bvh{binary.nodes, std::vector<std::uint32_t>(binary.triangles.size())};
+  FlatBvh bvh{binary.nodes, std::vector<std::uint32_t>(binary.triangles.size()), binary.build_statistics.at(0)};
   std::iota(bvh.order.begin(), bvh.order.end(), 0U);
   reorder_records<TriangleRecord>(image.triangles, set_nodes(std::move(bvh), config, image));
   finish_nodes(config, image);

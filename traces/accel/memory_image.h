@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "traces/accel/build/build_statistics.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/node_format.h"
 #include "traces/ray.h"
@@ -264,6 +265,9 @@ struct MemoryImage {
   std::vector<InstanceRecord> instances;  ///< instances of a two-level image, in the order of Scene::instances
   std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
   std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
+  /// Sizes of each tree at its last build: the only tree or the tree over instances, then those of `trees`. Used only
+  /// by the host.
+  std::vector<BuildStatistics> build_statistics;
   std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< vertex data; empty if no material needs them

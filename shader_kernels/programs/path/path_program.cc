@@ -15,12 +15,12 @@ RenderConfig without_least_weight(RenderConfig config) {
 }  // namespace
 
 PathProgram::PathProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-                         const PathConfig& path, std::uint32_t samples, std::uint32_t frame)
-    : FullProgram(image, camera, without_least_weight(config), samples, frame), path_(path) {}
+                         const PathConfig& path, std::uint32_t samples, std::uint32_t frame, const PixelSink* sink)
+    : FullProgram(image, camera, without_least_weight(config), samples, frame, sink), path_(path) {}
 
 void PathProgram::shade_rays(Wavefront& wave, const GeneratePorts<float>& ports, Wavefront::Node generated,
-                             std::uint32_t samples) const {
-  PathTracer(wave, path_).run(ports, generated, samples);
+                             std::uint32_t samples, const RetainedRecords& retained) const {
+  PathTracer(wave, path_).run(ports, generated, samples, retained);
 }
 
 Wavefront::Node PathProgram::average_samples(TileGraph& graph, AverageColour::Ports<float>& ports,

@@ -12,11 +12,11 @@ namespace kernels {
 class PathProgram final : public FullProgram {
  public:
   PathProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-              const PathConfig& path, std::uint32_t samples, std::uint32_t frame);
+              const PathConfig& path, std::uint32_t samples, std::uint32_t frame, const PixelSink* sink = nullptr);
 
  protected:
-  void shade_rays(Wavefront& wave, const GeneratePorts<float>& ports, Wavefront::Node generated,
-                  std::uint32_t samples) const override;
+  void shade_rays(Wavefront& wave, const GeneratePorts<float>& ports, Wavefront::Node generated, std::uint32_t samples,
+                  const RetainedRecords& retained) const override;
   Wavefront::Node average_samples(TileGraph& graph, AverageColour::Ports<float>& ports,
                                   std::uint32_t samples) const override;
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "shader_kernels/kernels/path.h"
+#include "shader_kernels/programs/wavefront/guides.h"
 
 namespace kernels {
 namespace {
@@ -87,6 +88,7 @@ void PathTracer::run(const GeneratePorts<float>& ports, Node maker, std::uint32_
     if (buffer.queues.surfaces.items == 0) return;
     wave_.shade_surfaces(bounce);
     wave_.run_stage(kPathTextures, bounce, buffer.queues.textured);
+    if (retained.guides != nullptr && bounce.depth == 1) wave_.run_stage(kGuides, bounce, buffer.queues.surfaces);
     shade_emission(bounce);
     sample_lights(bounce);
     if (bounce.depth == wave_.wave_.scene.depth) return;

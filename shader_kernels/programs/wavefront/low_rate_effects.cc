@@ -94,7 +94,7 @@ void Wavefront::trace_visible_fractions(const WaveBounce& bounce, Launch cast, S
   wait_for_bounce(node, bounce);
   graph_.wait_for_all(node, selected);
   if (rays == 0) return;
-  const TracedBatch batch = tracer_.trace(RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
+  const TracedBatch batch = tracer_.trace(traces::RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
   CombineRatio::Ports<float> combine;
   combine.ratios.bind(buffer.filters.ratios.data() + std::size_t{layer} * wave_.retained.low_rate.layer);
   combine.share = share;

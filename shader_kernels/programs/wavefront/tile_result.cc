@@ -107,6 +107,38 @@ void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_co
   grow_to(filters.ratios, sample_count * light_count);
 }
 
+void TileBuffer::reserve_denoise(std::size_t sample_count, std::size_t pixels) {
+  DenoiseRecords& d = denoise;
+  grow_to(d.guides, sample_count);
+  grow_to(d.guide_words, pixels);
+  grow_to(d.half_light, pixels);
+  grow_to(d.half_filtered, pixels);
+  grow_to(d.light, pixels);
+  grow_to(d.filtered, pixels);
+  grow_to(d.half_moments, pixels);
+  grow_to(d.moments, pixels);
+  grow_to(d.motions, pixels);
+  grow_to(d.albedos, pixels);
+  grow_to(d.taps, pixels);
+  grow_to(d.guide_taps, pixels);
+}
+
+void TileResult::clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry) {
+  tile = entry;
+  x = y = width = height = 0;
+  rays = {};
+  continued = traversal_steps = triangle_tests = 0;
+  pixel_work.clear();
+  linear.clear();
+  packed.clear();
+  marks.clear();
+  background.clear();
+  sampling = {};
+  work.frame = frame;
+  work.tile = entry;
+  work.samples = 0;
+}
+
 glm::vec3 TileResult::averaged_colour(std::uint32_t sample) const {
   const Vec3<float>& rgb = buffer.samples.colours[sample].rgb;
   return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);

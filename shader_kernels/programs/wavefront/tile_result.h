@@ -102,6 +102,18 @@ struct FilterRecords {
   std::vector<RatioRecord<float>> ratios;   ///< visible fraction of each light (UpsampledProgram)
 };
 
+/// Data of the denoiser: guides of samples, then packed records of pixels, in the precision of the history.
+struct DenoiseRecords {
+  std::vector<GuideRecord<float>> guides;
+  std::vector<GuideWords<float>> guide_words;
+  std::vector<HalfLightRecord<float>> half_light, half_filtered;
+  std::vector<LightRecord<float>> light, filtered;
+  std::vector<std::uint32_t> half_moments, motions, albedos;
+  std::vector<MomentsRecord<float>> moments;
+  std::vector<LightRecord<float>> taps;  ///< unpacked pixels of a tile and its halo
+  std::vector<GuideTapRecord<float>> guide_taps;
+};
+
 /// Traversal work of the rays of one pixel.
 struct PixelWork {
   std::uint32_t pixel = 0;  ///< index of the pixel in the picture, row by row
@@ -126,6 +138,7 @@ struct TileBuffer {
   CheckRecords checks;
   SubpixelRecords subpixels;
   FilterRecords filters;
+  DenoiseRecords denoise;
   TileScratch scratch;
 
   /// Grows the arrays of a wave to `slots` ray slots.
@@ -143,6 +156,8 @@ struct TileBuffer {
   /// Grows the arrays for effects that are traced at only some pixels, to `sample_count` samples and `light_count`
   /// lights.
   void reserve_low_rate(std::size_t sample_count, std::size_t light_count);
+  /// Grows the arrays of the denoiser, to `sample_count` guides and `pixels` pixels of a tile and its halo.
+  void reserve_denoise(std::size_t sample_count, std::size_t pixels);
 };
 
 using traces::kPixelBytes;
@@ -165,6 +180,7 @@ struct PropagationSubpixel {
 struct TileResult {
   /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
+  const traces::TilePredictions* predictions = nullptr;  ///< if not null, recorded shadow rays are predicted
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the tile in the picture, in pixels
   std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]
@@ -185,6 +201,8 @@ struct TileResult {
   TileBuffer buffer;
   /// Returns a sample's colour, clamped to [0, 1]. A pixel is the mean of sample colours that are clamped in this way.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
+  /// Makes this the result of an entry that renders no pixels, numbered as a tile after those of the frame.
+  void clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry);
 };
 
 /// Number of loop iterations that a kernel has run, including iterations without work.

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "shader_kernels/programs/wavefront/guides.h"
 #include "traces/walk.h"
 
 namespace kernels {
@@ -23,7 +24,12 @@ constexpr float kLeastLight = 0x1p-5F;
 }  // namespace
 
 WaveTracer::WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out)
-    : scene_(scene), tracer_(tracer), graph_(graph), out_(out), buffer_(out.buffer) {
+    : scene_(scene),
+      tracer_(tracer),
+      graph_(graph),
+      out_(out),
+      buffer_(out.buffer),
+      key_grid_(scene.image.lower, scene.image.upper) {
   out.rays = {};
   out.continued = 0;
   out.traversal_steps = out.triangle_tests = 0;
@@ -58,9 +64,14 @@ TracedBatch WaveTracer::find_primary_hits(std::uint32_t ray_count, Node maker) {
 WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std::uint32_t first,
                                              std::uint32_t ray_count, Node maker, bool is_mapped) {
   const std::size_t first_ray = out_.work.ray_begin.size();
-  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
+  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin, out_.predictions};
   tracer_.trace(std::span(slots.rays).subspan(first, ray_count), kind, std::span(slots.hits).subspan(first, ray_count),
                 graph_.is_recording() ? &sink : nullptr);
+  if (graph_.is_recording()) {
+    for (const traces::Ray& ray : std::span(slots.rays).subspan(first, ray_count)) {
+      out_.work.ray_keys.push_back(key_grid_.key_of(ray));
+    }
+  }
   if (graph_.is_muted()) return TileGraph::kNone;
   count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, ray_count));
   const Node node = graph_.stream_builder().add_rays(kind, ray_count, rays_traced_, maker, is_mapped);
@@ -250,13 +261,11 @@ constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, WaitsFor::kB
 constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, WaitsFor::kBounce, kCastsRays};
 
 // Stages for interpolated surfaces, whose shadows are already known.
-
 constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues};
 constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, WaitsFor::kInspector, kFillsQueues};
 constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, WaitsFor::kBounce, kAddsColours};
 
 // Stages that emit the rays of the next wave.
-
 constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, &WaveBounce::straight, std::nullopt},
     {&Q::mirror, launch_mirror, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
@@ -264,7 +273,6 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
 });
 
 // Stages that record a sample's hits and shadow rays.
-
 /// Records the secondary hit whose ray has the largest weight in its sample. The weights of all rays are compared
 /// first, because the ray with the largest weight may hit nothing.
 template <bool kInstanced>
@@ -365,6 +373,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     shade_surfaces(bounce);
     if (is_shaded()) {
       run_stage(kTextures, bounce, buffer.queues.textured);
+      if (retained.guides != nullptr && bounce.depth == 1) run_stage(kGuides, bounce, buffer.queues.surfaces);
       run_stages(kEmission, bounce);
       uses_low_rate_effects(bounce) ? shade_low_rate_effects(bounce) : shade_local_lights(bounce);
     } else if (wave_.retained.visible.have_shadows && wave_.scene.shadow_rays != 0) {
@@ -684,8 +693,7 @@ Node Wavefront::generate_listed_rays(GenerateListedRays::Ports<float>& ports, Sa
     if constexpr (std::is_base_of_v<ClearTraits::Ports<float>, typename K::template Ports<float>>) {
       ports_of<ClearTraits>(bound).secondary.bind(wave_.buffer.subpixels.secondary_traits.data());
     }
-    const Node node = graph_.launch<K>(bound, items, lanes);
-    return node;
+    return graph_.launch<K>(bound, items, lanes);
   };
   using std::type_identity;
   ports.samples.bind(list.entries.data());

@@ -10,6 +10,7 @@
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/programs/wavefront/tile_graph.h"
 #include "traces/ray.h"
+#include "traces/ray_key.h"
 
 namespace kernels {
 
@@ -63,6 +64,7 @@ class WaveTracer {
   TileGraph& graph_;
   TileResult& out_;
   TileBuffer& buffer_;
+  const traces::RayKeyGrid key_grid_;
   std::uint32_t rays_traced_ = 0;
 };
 
@@ -88,6 +90,8 @@ struct LowRateEffects {
   GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
+struct GuideUniforms;  // programs/wavefront/guides.h
+
 /// Which records of hits a wave keeps for its samples, in addition to the colours.
 struct RetainedRecords {
   bool geometry = false, surfaces = false;  ///< keep the geometry of the first hit, or all its data that shading needs
@@ -96,6 +100,7 @@ struct RetainedRecords {
   bool traits = false;   ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
   LowRateEffects low_rate{};
+  const GuideUniforms* guides = nullptr;  ///< records the denoiser's guides of first hits; null: none
   StreamBuilder::Node cleared = StreamBuilder::kNone,
                       cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared the records
 };
