@@ -371,6 +371,10 @@ Json dram_clients_json(const FrameResult& run) {
       {"spills", moved(Area::kSpill)}};
   if (const std::uint64_t bytes = moved(Area::kSamples); bytes != 0) clients["samples"] = bytes;
   if (const std::uint64_t bytes = moved(Area::kRates); bytes != 0) clients["rates"] = bytes;
+  // What remains are arrays and trees of kernels that build trees.
+  std::uint64_t built = kLine * (dmas.sum_of(&Dma::lines_written) + dmas.sum_of(&Dma::lines_read));
+  for (const Area area : {Area::kPicture, Area::kSpill, Area::kSamples, Area::kRates}) built -= moved(area);
+  if (built != 0) clients["build"] = built;
   return clients;
 }
 
@@ -467,6 +471,23 @@ std::uint64_t dram_bytes(const FrameResult& run) {
   return Units<hw::DramChannel>(run.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 
+/// Returns the cost of the denoiser, and its share of all costs: those of the frame, with those of an external unit.
+Json denoise_json(const FrameResult& run, const DenoiseCost& cost) {
+  const double ms = static_cast<double>(cost.time) / sim::kFemtosecondsPerMillisecond;
+  const double mj = cost.energy_pj / sim::kPicojoulesPerMillijoule;
+  const auto bytes = static_cast<double>(cost.dram_bytes);
+  const auto share = [&](double part, double of_frame) {
+    return part / (cost.is_external ? of_frame + part : of_frame);
+  };
+  return {{"external", cost.is_external},
+          {"time_ms", ms},
+          {"dram_bytes", cost.dram_bytes},
+          {"energy_mj", mj},
+          {"time_share", share(ms, time_ms(run))},
+          {"dram_share", share(bytes, static_cast<double>(dram_bytes(run)))},
+          {"energy_share", share(mj, energy_mj(run))}};
+}
+
 void add_relative_metrics(Json& totals, const ComparedResult& result) {
   const FrameResult &run = result.run, &reference = *result.reference;
   const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
@@ -479,6 +500,9 @@ void add_relative_metrics(Json& totals, const ComparedResult& result) {
   totals["identical"] = totals["psnr_db"].is_null();
   if (result.worst_squared_error) totals["worst_psnr_db"] = decibels(*result.worst_squared_error);
   if (result.error.change) totals["temporal_psnr_db"] = decibels(*result.error.change);
+  const PerceivedError& perceived = result.error.perceived;
+  if (perceived.frames != 0) totals["flip"] = perceived.flip / perceived.frames;
+  if (perceived.changes != 0) totals["flicker"] = perceived.flicker / perceived.changes;
   totals["reference"] = {{"cycles", reference.cycles},
                          {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
@@ -569,6 +593,7 @@ Json totals_json(const ComparedResult& result) {
   if (run.sampled) totals["sampled"] = sampled_json(run);
   if (run.represented) totals["representative"] = representative_json(run);
   if (run.sliced) totals["sliced"] = sliced_json(run);
+  if (run.denoise) totals["denoise"] = denoise_json(run, *run.denoise);
   if (result.reference != nullptr) add_relative_metrics(totals, result);
   if (result.rate != nullptr) totals.update(frame_rate_json(run, *result.rate));
   if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);

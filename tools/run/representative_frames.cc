@@ -31,6 +31,9 @@ void check_sequence(const Inputs& inputs) {
     throw sim::InputError(
         "--representative: effects of a reduced rate are not counted; allowed: render.effect_rate=full");
   }
+  if (inputs.config.programs.denoise.has_kernels()) {
+    throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
+  }
   if (inputs.config.thermal.minutes > 0) {
     throw sim::InputError("--representative: the governor needs every frame; allowed: thermal.minutes=0");
   }

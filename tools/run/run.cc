@@ -20,6 +20,7 @@
 #include "tools/run/frame/trace_header.h"
 #include "tools/run/representative_frames.h"
 #include "tools/sampling/slices.h"
+#include "tools/tiles/denoise_cost.h"
 #include "tools/tiles/tile_energy.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -41,6 +42,7 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   if (slices_ > 1) return simulate_slices(inputs_, plan_.program, threads_, slices_, progress_);
   SimulateOptions own = extras;
   own.rates = &rates_;
+  own.history = &history_;
   own.marks = plan_.whole_frames() != nullptr && plan_.whole_frames()->debug_images;
   // The frame before a representative frame is not simulated.
   if (plan_.frame_sampling() == nullptr) own.caches = std::exchange(caches_, nullptr);
@@ -61,7 +63,7 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
 }
 
 PictureError RenderedFrames::compare_pictures(const FrameResult& frame, const FrameResult& reference) {
-  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb);
+  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb, perceived_width(inputs_.config));
 }
 
 namespace {
@@ -79,7 +81,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   own.keep_part = may_be_part;
   own.intervals = intervals ? &*intervals : nullptr;
   own.on_start = options.on_start;
-  own.itemised = options.itemised;
+  own.itemised = options.itemised || inputs.config.programs.denoise.has_kernels();  // for its costs
   hw::ObserverList observers;
   if (frames.has_whole_frames()) {
     observers.add(options.observer);
@@ -87,6 +89,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   }
   own.observer = observers.attached_observer();
   FrameResult frame = frames.simulate(own);
+  frame.denoise = denoise_cost(frame, inputs.config);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {
     out.tiles.frames.push_back(compute_tile_table(frame, inputs.config, inputs.frame));
@@ -107,7 +110,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   out.set_missing_parts(frame, frames.replicates(), frames.has_reference() && !reference);
   const PictureError error = reference ? frames.compare_pictures(frame, *reference) : PictureError{};
   if (options.trace != nullptr && !out.partial)
-    options.trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
+    options.trace->end_frame(recorded_frame(inputs.frame, recorded_error(error)));
   if (options.on_frame) {
     options.on_frame({.inputs = inputs,
                       .frame = frame,
@@ -243,6 +246,7 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
   frames.push_back(entry_of(frame, {frame, compared ? &*compared : nullptr, error}));
   if (compared) reference_frames.push_back(entry_of(*compared, {*compared}));
   squared_error += error.squared;
+  perceived.add(error.perceived);
   worst_squared_error = std::max(worst_squared_error, error.squared);
   if (error.change) worst_change = std::max(worst_change.value_or(0), *error.change);
   if (over_time != nullptr) intervals.add(number, *over_time);
@@ -251,8 +255,9 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
 }
 
 ComparedResult RunResult::report_totals() const {
-  ComparedResult totals{
-      *total, reference ? &*reference : nullptr, {squared_error / static_cast<double>(frames.size()), worst_change}};
+  ComparedResult totals{*total,
+                        reference ? &*reference : nullptr,
+                        {squared_error / static_cast<double>(frames.size()), worst_change, perceived}};
   if (worst_change) totals.worst_squared_error = worst_squared_error;
   return totals;
 }
@@ -262,6 +267,17 @@ void RunResult::set_missing_parts(const FrameResult& frame, std::uint32_t replic
   missing = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
                         lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
   partial = frame.is_partial() || !missing.empty();
+}
+
+std::uint32_t perceived_width(const RunConfig& config) {
+  return config.programs.denoise.filter != kernels::DenoiseFilter::kOff ? config.render.width : 0;
+}
+
+RecordedError recorded_error(const PictureError& error) {
+  RecordedError recorded{error.squared, error.change, {}, {}};
+  if (error.perceived.frames != 0) recorded.flip = error.perceived.flip;
+  if (error.perceived.changes != 0) recorded.flicker = error.perceived.flicker;
+  return recorded;
 }
 
 std::string RunResult::finished_part_text(std::size_t all) const {
@@ -310,6 +326,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   // Changes the report's JSON, because a changed copy of the inputs would duplicate the scene.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);
+  config.programs = reference_programs(config.programs);
   json["config"] = sim::config_json(config);
   json["provenance"]["config_hash"] = sim::config_hash(config);
   sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));

@@ -14,6 +14,7 @@
 #include "tools/analysis/report.h"
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/sampling/frame_sample.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/tiles/tile_table.h"
@@ -58,6 +59,7 @@ struct RunResult {
   double squared_error = 0;                 ///< mean squared error of the picture, summed over all frames
   double worst_squared_error = 0;           ///< error of the picture of the worst frame
   std::optional<double> worst_change = {};  ///< largest PictureError::change of a frame; none without a second frame
+  PerceivedError perceived = {};            ///< means over the frames
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
@@ -77,6 +79,12 @@ struct RunResult {
   /// Returns a text on how much of a run of `all` frames was finished before an interrupt.
   std::string finished_part_text(std::size_t all) const;
 };
+
+/// Returns the width with which a run's pictures are compared; 0 without a denoiser, as perceived errors then stay out of
+/// the report.
+std::uint32_t perceived_width(const RunConfig& config);
+/// Returns the errors of a frame that a trace contains.
+RecordedError recorded_error(const PictureError& error);
 
 /// Returns how many frames an interrupted run must have finished to replace an earlier result. If that is partial: as
 /// many as it has. If it is complete: one more than it has. If there is none: 1. `file`: report.json or verify.json.
@@ -162,6 +170,7 @@ class RenderedFrames final : public PosedFrames {
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
+  std::shared_ptr<const kernels::DenoiseHistory> history_;
   PictureComparison pictures_;
   std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< contents of the caches after the last frame
 };

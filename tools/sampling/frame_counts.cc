@@ -47,7 +47,7 @@ void FrameCounter::add_tile(const traces::TileWork& work) {
   tile_ += 1;
   steps_.assign(work.ray_begin.size(), 0);
   hw::for_each_line_of_tile(
-      work, *layout_,
+      work, *layout_, 0,
       [&](std::uint32_t ray, hw::Addr line) {
         steps_[ray] += 1;
         read_line(line, counts_.tree_lines);

@@ -191,8 +191,7 @@ FrameSampling parse_representative(const std::string& text) {
 
 void check_representative(const kernels::ProgramSpec& program) {
   if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(
-      fmt::format("--representative: a frame of {} may depend on the frame before; allowed: full:N", program.name()));
+  throw sim::InputError(fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
 }
 
 FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t wanted, std::uint64_t seed) {

@@ -177,7 +177,7 @@ TileTraits TilePilot::measure_tile(const traces::TileWork& work) {
   const auto second_level = [&](hw::Addr line) { l2_misses += !access_line(l2_, line); };
   const std::size_t trvs = core.trvs.size();
   hw::for_each_line_of_tile(
-      work, layout_,
+      work, layout_, 0,
       [&](std::uint32_t ray, hw::Addr line) {
         visits += 1;
         steps_[ray] += 1;

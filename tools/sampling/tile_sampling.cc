@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -356,7 +357,15 @@ void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_render(const kernels::RenderConfig& render) {
+void check_programs(const RunConfig& config) {
+  const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--tile-sampling: a denoiser reads all tiles; allowed: denoise.filter=off");
+  }
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--tile-sampling: building trees is no part that tiles stand for; allowed: build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
@@ -364,6 +373,9 @@ void check_render(const kernels::RenderConfig& render) {
   if (render.effect_rate != kernels::EffectRate::kFull) {
     throw sim::InputError(
         "--tile-sampling: tiles wait for what effects found in others; allowed: render.effect_rate=full");
+  }
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError("--tile-sampling: a predictor learns from all tiles; allowed: tni.predictor.enabled=false");
   }
 }
 
@@ -407,7 +419,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
-  check_render(inputs.config.render);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   double thinning = 1;
   kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
@@ -486,7 +498,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          traces::TraceWriter& trace) {
-  check_render(inputs.config.render);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   render_frame(inputs, program, tracer, threads, {.trace = &trace});
   double thinning = 1;
@@ -500,7 +512,7 @@ void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& progr
   sim::Json result = recorded_result(front_end.result());
   result["thinning"] = thinning;
   trace.end_part(std::move(result));
-  trace.end_frame(recorded_frame(inputs.frame, 0, {}));
+  trace.end_frame(recorded_frame(inputs.frame, {}));
 }
 
 void Interval::add_estimate(const Interval& other) {

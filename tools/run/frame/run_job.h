@@ -22,6 +22,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/sustained.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
 
@@ -47,6 +48,9 @@ struct Inputs {
   traces::MemoryImage image;
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
+  traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
+  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); only for build.policy: cost.
+  std::vector<double> built_costs, costs;
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none
@@ -125,6 +129,15 @@ struct RepresentedFrames {
   double counting_seconds = 0;               ///< host seconds of counting the work of all frames
 };
 
+/// Cost of the denoiser of one or several frames: of its passes after the frame's tiles, or of an external unit. The
+/// costs of an external unit are in addition to those of the frame.
+struct DenoiseCost {
+  bool is_external = false;
+  sim::Time time = 0;
+  std::uint64_t dram_bytes = 0;
+  double energy_pj = 0;
+};
+
 /// Results of one or several frames on the machine.
 struct FrameResult {
   kernels::ProgramSpec program;
@@ -144,6 +157,7 @@ struct FrameResult {
   std::optional<SampledFrame> sampled;           ///< set if the results are estimated from sampled tiles
   std::optional<RepresentedFrames> represented;  ///< set if the results are estimated from some frames of a sequence
   std::optional<SlicedFrame> sliced;             ///< set if slices were requested
+  std::optional<DenoiseCost> denoise;            ///< set if a denoiser was configured
   std::vector<FrameResult> replicates;           ///< results of perturbed machines, without pictures
   std::vector<SustainStep> sustained;  ///< the same work at each of the governor's clocks, if thermal.minutes is set
   double replicate_seconds = 0;        ///< host time of the replicates
@@ -158,6 +172,8 @@ struct FrameResult {
 
 /// Returns the render settings of a run's reference program, where all effects are rendered at the full rate.
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
+/// Returns the keys of a run's reference program, which is not denoised.
+kernels::ProgramConfig reference_programs(kernels::ProgramConfig programs);
 
 /// Returns the number of tiles per row and column of the current frame.
 kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::ProgramSpec& program);
@@ -172,8 +188,10 @@ struct StartedFrame {
 /// Options of simulate_frame() and render_frame(): observers, recorded data and start state.
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
-  bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
-  bool keep_part = false;             ///< an interrupt keeps the finished tiles of the frame, if any
+  /// History of the denoiser, carried from frame to frame; null: none.
+  std::shared_ptr<const kernels::DenoiseHistory>* history = nullptr;
+  bool marks = false;      ///< keep a mark of how each sample was made, for debug pictures
+  bool keep_part = false;  ///< an interrupt keeps the finished tiles of the frame, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
   bool reference = false;  ///< the program is the reference: own section of the trace, settings of reference_render()

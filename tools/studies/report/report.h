@@ -17,6 +17,7 @@ struct Options {
   std::vector<std::filesystem::path> inputs;  ///< one run, several runs, or one sweep or search
   std::vector<std::string> names;             ///< names of several runs; empty: short forms of their paths
   std::filesystem::path out;
+  std::string counters;  ///< GPU whose counters are printed instead (vendor_counters.h); empty: none
   bool force = false;
 };
 
