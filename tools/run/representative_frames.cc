@@ -1,14 +1,10 @@
 #include "tools/run/representative_frames.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "sim/error.h"
-#include "sim/io/printable.h"
 #include "tools/host/process.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/frame_counts.h"
@@ -20,12 +16,11 @@ namespace tools {
 namespace {
 
 /// Relative half-width of the intervals of cycles and energy below which --representative auto adds no more frames.
-constexpr double kTarget = 0.03;
+constexpr double kTargetWidth = 0.03;
 /// Largest share of the frames to simulate; a sequence that needs more is simulated whole.
-constexpr double kMostShare = 0.4;
-constexpr std::uint32_t kMostWanted = 1000;
+constexpr double kMostFramesShare = 0.4;
 
-void check_inputs(const Inputs& inputs) {
+void check_sequence(const Inputs& inputs) {
   if (inputs.frames() < 2) {
     throw sim::InputError("--representative: one frame represents no others; allowed: several frames, --frames A:B");
   }
@@ -47,20 +42,15 @@ void check_inputs(const Inputs& inputs) {
 /// Checks the inputs, then counts the work of all frames.
 std::vector<FrameCounts> count_checked_frames(Inputs& inputs, const kernels::ProgramSpec& program,
                                               std::uint32_t threads, Progress* progress) {
-  check_inputs(inputs);
+  check_sequence(inputs);
   return count_frames(inputs, program, threads, progress);
-}
-
-bool parse_number(std::string_view text, auto& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
 }
 
 /// Returns the number of frames to add if the intervals are `off` times too wide.
 std::size_t next_round_frames(std::size_t spent, std::size_t all, double off) {
   const auto before = static_cast<double>(spent);
   const double more = std::ceil(std::clamp(before * (off * off - 1), before / 4, 2 * before));
-  return before + more > kMostShare * static_cast<double>(all) ? all - spent : static_cast<std::size_t>(more);
+  return before + more > kMostFramesShare * static_cast<double>(all) ? all - spent : static_cast<std::size_t>(more);
 }
 
 /// Adds the counts of a frame that stands for `weight` frames.
@@ -81,27 +71,6 @@ void add_weighted_counts(const RenderResult& frame, double weight, RenderResult&
 }
 
 }  // namespace
-
-FrameSampling parse_representative(const std::string& text) {
-  FrameSampling s;
-  const std::string_view all = text;
-  const std::size_t colon = all.find(':');
-  const std::string_view clusters = all.substr(0, colon);
-  const bool is_good = (clusters == "auto" || (parse_number(clusters, s.clusters) && s.clusters >= 1)) &&
-                       s.clusters <= kMostWanted &&
-                       (colon == std::string_view::npos || parse_number(all.substr(colon + 1), s.draw));
-  if (is_good) return s;
-  throw sim::InputError(fmt::format(
-      "--representative '{}': is no number of clusters; allowed: auto, or a number from 1 to {}, e.g. 12; then a "
-      "draw, e.g. auto:2",
-      sim::printable(text), kMostWanted));
-}
-
-void check_representative(const kernels::ProgramSpec& program) {
-  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(
-      fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
-}
 
 RepresentativeFrames::RepresentativeFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
                                            Progress* progress)
@@ -152,7 +121,7 @@ std::vector<const FrameResult*> RepresentativeFrames::chosen_results() const {
 bool RepresentativeFrames::add_frames() {
   const auto width = [](const Interval& total) { return total.half_width() / total.estimate; };
   const double of_cycles = width(estimate_cycles()), of_energy = width(estimate_energy());
-  const double off = std::max(of_cycles, of_energy) / kTarget;
+  const double off = std::max(of_cycles, of_energy) / kTargetWidth;
   if (off <= 1 || sample_.has_all_frames()) return false;
   std::vector<double> observed;
   for (const FrameResult* frame : chosen_results()) {
