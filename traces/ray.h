@@ -66,11 +66,15 @@ inline std::uint32_t instance_index_of(const Hit& hit) {
                                                                  << kHalfBits;
 }
 
+class RayPredictor;
+struct TilePredictions;
+
 /// Buffers to which a tracer appends the recorded traversals of rays (canonical walks, walk.h). It appends to `begin`
 /// the index of each ray's first word.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;
+  const TilePredictions* predictions = nullptr;  ///< if not null, shadow rays are predicted (accel/ray_predictor.h)
 };
 
 /// Interface of a tracer, which finds the hits of rays. A shadow ray ends at the first opaque triangle (without flags);
@@ -80,6 +84,8 @@ class Tracer {
   virtual ~Tracer() = default;
   /// Traces `rays` and writes one entry of `hits` per ray. `walk` may be null; only BvhTracer records walks.
   virtual void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const = 0;
+  /// Returns the predictor of the tracer's shadow rays; null if it has none.
+  virtual const RayPredictor* ray_predictor() const { return nullptr; }
 };
 
 }  // namespace traces

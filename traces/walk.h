@@ -22,6 +22,10 @@ namespace traces {
 //                                                  exit phase of each test, 4 bits each, first test lowest
 //   enter  01 | 0(4) | instance(26)                the ray enters the space of an instance, at the root of its tree
 //   cull   10 | n(30)                              n stack entries are popped and dropped: they begin beyond the hit
+//   look   10 | 1 | correct(1) | stored(1) | node(27)
+//                                                  before the first visit: the ray looks up a predicted node
+//                                                  (accel/ray_predictor.h), or kNoPrediction; `correct` is 1 if the
+//                                                  ray ends below the node; `stored` is 1 if its hit updates the table
 //   end    11 | hit(1)
 //
 // A leaf, or a visit without a hit, is followed by a pop or the end. A visit that hits both children pushes the far
@@ -29,13 +33,18 @@ namespace traces {
 // children per node, and of quantised boxes, have wide visits only; other trees have none. A cull counts children in
 // both. An enter is followed by the visit of that root. Leaving an instance has no word: the ray returns to world space
 // when an entry is popped that was on the stack before it entered.
+//
+// After a look-up that finds a node, the ray begins there instead of at the root. Until it has left the node's subtree
+// it ignores hits of triangles with flags. If no hit ends it there, the pop from the empty stack is followed by the
+// visit of the root, and the walk continues as if it had begun there.
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
 
 /// The phase of a triangle test in which the test ended. A hit passes all three phases.
 enum class ExitPhase : std::uint32_t { kDistance = 1, kBarycentric = 2, kHit = 3 };
 
-inline constexpr std::uint32_t kMaxNodes = 1U << 27;
+inline constexpr std::uint32_t kNodeBits = 27;
+inline constexpr std::uint32_t kMaxNodes = 1U << kNodeBits;
 inline constexpr std::uint32_t kMaxTriangles = 1U << 26;
 inline constexpr std::uint32_t kMaxLeafTriangles = 8;
 
@@ -79,6 +88,15 @@ constexpr ExitPhase phase_of(std::uint32_t phases, std::uint32_t test) {
 
 constexpr std::uint32_t cull_step(std::uint32_t n) { return (2U << 30) | n; }
 constexpr std::uint32_t culled_of(std::uint32_t word) { return word & ((1U << 30) - 1); }
+
+/// Node of a look-up that found none.
+inline constexpr std::uint32_t kNoPrediction = kMaxNodes - 1;
+constexpr std::uint32_t look_up_step(std::uint32_t node, bool correct, bool stored) {
+  return (5U << 29) | (correct ? 1U << 28 : 0U) | (stored ? 1U << 27 : 0U) | node;
+}
+constexpr bool is_look_up(std::uint32_t word) { return word >> 29 == 5; }
+constexpr bool is_correct_look_up(std::uint32_t word) { return (word >> 28 & 1U) != 0; }
+constexpr bool stores_hit(std::uint32_t word) { return (word >> 27 & 1U) != 0; }
 
 constexpr std::uint32_t end_step(bool hit) { return (3U << 30) | (hit ? 1U : 0U); }
 

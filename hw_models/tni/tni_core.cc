@@ -1,5 +1,6 @@
 #include "hw_models/tni/tni_core.h"
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,7 @@ TniConfig with_ideal_pipes(TniConfig config) {
   config.ist.decode_interval = 1;
   config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
   config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
+  config.predictor.latency = 1;
   return config;
 }
 
@@ -42,13 +44,18 @@ TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& id
                  sim::Clock clock, const TreeKind& tree)
     : config_(ideal.tni ? with_ideal_pipes(config) : config),
       ideal_(ideal),
-      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1})) {
+      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1,
+                                   config.dispatcher.sram_bytes(), 0, config.dispatcher.parts()})) {
   for (std::uint32_t i = 0; i < config.ists; ++i) {
     ist_ids_.push_back(declare_ist(machine, config, core, clock, tree, i));
   }
   for (std::uint32_t t = 0; t < config.trvs; ++t) {
     trv_ids_.push_back(machine.unit({unit_name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
                                      config.trv_sram_bytes(tree), config.trv.l1.size.bytes, config.trv.parts(tree)}));
+  }
+  if (config.predictor.enabled) {
+    predictor_id_ =
+        machine.unit({unit_name_in_core(PredictorStage::kName, core), clock, core + 1, config.predictor.sram_bytes()});
   }
 }
 
@@ -70,7 +77,14 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
   const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
   const sim::Clock clock = dispatcher_id_.clock;
   const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
-  RayDispatcher::Links dispatcher{links.rays_in, links.hits_out, {}, {}};
+  sim::Link<RayJob>* rays = &links.rays_in;
+  if (predictor_id_) {
+    const std::uint32_t latency = config_.predictor.latency;
+    rays = &machine.link<RayJob>(latency + depth, latency, *predictor_id_, dispatcher_id_);
+    predictor_ =
+        &machine.build<PredictorStage>(*predictor_id_, ideal_.tni, PredictorStage::Links{links.rays_in, *rays}, clock);
+  }
+  RayDispatcher::Links dispatcher{*rays, links.hits_out, {}, {}};
   std::vector<LeafLinks> leaves;
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const sim::UnitId trv = trv_ids_[t], ist = ist_ids_[t % ist_ids_.size()];
@@ -80,11 +94,15 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
                       &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv)});
   }
   dispatcher_ = &machine.build<RayDispatcher>(
-      dispatcher_id_, RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni}, dispatcher,
-      clock);
+      dispatcher_id_,
+      RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni, config_.dispatcher},
+      dispatcher, clock);
+  std::shared_ptr<const Treelets> treelets;
+  if (config_.trv.prefetch == Prefetch::kTreelet)
+    treelets = std::make_shared<const Treelets>(scene.tree, config_.trv.treelet_bytes.bytes);
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const MemoryPort& memory = links.memory[t];
-    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree,
+    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree, treelets,
                                         Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *leaves[t].jobs,
                                                    *leaves[t].answers, memory.requests, memory.responses},
                                         memory.client, clock));

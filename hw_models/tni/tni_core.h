@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "hw_models/memory/core_port.h"
 #include "hw_models/tni/ist.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
 #include "sim/machine.h"
@@ -19,8 +21,8 @@ sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uin
 
 /// A core's T&I unit: ray dispatcher, traversal units (TRVs), intersection units (ISTs), and the links between them.
 ///
-///   rays --> dispatcher --> TRV x n <--> IST x m
-///   hits <-- dispatcher <-- TRV x n
+///   rays --> [predictor] --> dispatcher --> TRV x n <--> IST x m
+///   hits <-----------------  dispatcher <-- TRV x n
 ///
 /// TRV number i sends its leaves to IST number i modulo m.
 ///
@@ -56,12 +58,16 @@ class TniCore {
   void make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);
 
-  /// Returns the ray dispatcher's id: the unit that accepts rays and returns hits.
+  /// Returns the id of the unit that accepts rays: the predictor, or without one the ray dispatcher.
+  sim::UnitId rays_in_id() const { return predictor_id_.value_or(dispatcher_id_); }
+  /// Returns the ray dispatcher's id: the unit that returns hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }
   /// Returns the memory clients of the T&I unit: the L1 of each TRV, then the L1 of each IST.
   std::vector<MemoryClient> memory_clients() const;
 
   const RayDispatcher& dispatcher() const { return *dispatcher_; }
+  /// Returns the predictor; null if the T&I unit has none.
+  const PredictorStage* predictor() const { return predictor_; }
   const std::vector<Trv*>& trvs() const { return trvs_; }
   const std::vector<Ist*>& ists() const { return ists_; }
   /// Returns the intersection unit that tests the leaves of a traversal unit.
@@ -76,7 +82,9 @@ class TniCore {
   Ideal ideal_;
   sim::UnitId dispatcher_id_;
   std::vector<sim::UnitId> ist_ids_, trv_ids_;
+  std::optional<sim::UnitId> predictor_id_;
   RayDispatcher* dispatcher_ = nullptr;
+  PredictorStage* predictor_ = nullptr;
   std::vector<Trv*> trvs_;
   std::vector<Ist*> ists_;
   CorePort* port_ = nullptr;  ///< the core's cache port; null if it is not in the cluster

@@ -21,10 +21,11 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
 
 /// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to the next step. Rays
 /// do not store this list, because restarts are rare. Returns the node whose child the ray has visited last, and the
-/// instance in which the ray is.
-StackEntryOrigin TraversalSlot::list_stack_entries(const std::uint32_t* walk,
-                                                   std::vector<StackEntryOrigin>& entries) const {
+/// instance in which the ray is. Sets `start` to the node at which the ray has begun: the root or a predicted node.
+StackEntryOrigin TraversalSlot::list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries,
+                                                   std::uint32_t& start) const {
   entries.clear();
+  start = traces::node_of(*walk);
   std::uint32_t instance = traces::kNone;
   std::uint32_t parent = 0;
   bool must_pop = false;
@@ -35,7 +36,9 @@ StackEntryOrigin TraversalSlot::list_stack_entries(const std::uint32_t* walk,
       if (step + 1 != next_word_) entries.resize(entries.size() - traces::culled_of(*step));
       continue;
     }
-    if (must_pop) {
+    if (must_pop && entries.empty()) {
+      start = parent = 0;  // the subtree of the predicted node is finished
+    } else if (must_pop) {
       instance = entries.back().instance;  // instance in which the ray continues
       parent = entries.back().node;
       entries.pop_back();
@@ -70,7 +73,8 @@ void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& 
   assert(stack_depth_ > 0 && "a pop from an empty stack");
   // Each visit on the path pushes its remaining children again, so the short stack then contains the youngest entries.
   // The first of them is entered without a push if the last visit continues without a pop.
-  const StackEntryOrigin last = list_stack_entries(walk, entries);
+  std::uint32_t start = 0;
+  const StackEntryOrigin last = list_stack_entries(walk, entries, start);
   const StackEntryOrigin youngest = entries.back();
   std::uint32_t found = stack_depth_;
   if (rules.scheme == StackScheme::kParent) {
@@ -80,7 +84,7 @@ void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& 
     });
     found = static_cast<std::uint32_t>(others - entries.rbegin());
   } else {
-    path.plan_path(youngest, rules.scheme == StackScheme::kRestartTrail ? 0 : entries.front().node, tree);
+    path.plan_path(youngest, rules.scheme == StackScheme::kRestartTrail ? start : entries.front().node, tree);
   }
   restarting_ = true;
   stats.restarts += 1;

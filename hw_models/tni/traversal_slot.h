@@ -24,7 +24,9 @@ namespace hw {
 /// 4. A pop from an empty short stack restarts the traversal: the ray again visits the nodes down to the origin of the
 /// popped entry. It begins at the node of the oldest dropped entry or, with a restart trail, at the root. With parent
 /// links it climbs from the parent of the last child to that origin instead. These visits refill the short stack.
-/// 5. A visit of a wide node enters the first hit child and pushes the others, an entry each; a unit whose entries are
+/// 5. A walk that begins at a predicted node visits its subtree with an empty stack. A pop from the empty stack then
+/// continues at the root (traces/walk.h).
+/// 6. A visit of a wide node enters the first hit child and pushes the others, an entry each; a unit whose entries are
 /// nodes keeps them in a NodeStack.
 class TraversalSlot {
  public:
@@ -46,6 +48,10 @@ class TraversalSlot {
   /// Returns the phases with which the triangle tests of a leaf end. The next step must be a leaf.
   std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
+  /// Returns the number of the ray's entries that are in the short stack.
+  std::uint32_t resident_entries() const { return short_stack_size_; }
+  /// Returns how many of the ray's youngest entries are the next to be discarded, because they begin beyond the hit.
+  std::uint32_t known_culls() const { return pending_culls_; }
 
   /// Returns the sub-pipe that the ray's next step needs. `may_enter_instance`: false if the scene has no
   /// instances.
@@ -104,7 +110,7 @@ class TraversalSlot {
 
   /// Pops the youngest entry of the ray's stack. Returns false if the short stack is empty: the ray must restart.
   [[gnu::always_inline]] bool pop_stack_entry(StackStats& stats) {
-    if (short_stack_size_ == 0) return false;
+    if (short_stack_size_ == 0) return continue_at_root();
     stats.pops += 1;
     short_stack_size_ -= 1;
     consume_entry();
@@ -143,7 +149,14 @@ class TraversalSlot {
     next_step_ = *step;
   }
   Pipe next_pipe_slow_path();
-  StackEntryOrigin list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
+  /// Continues at the root if the ray has left the subtree of its predicted node. Returns whether it has.
+  bool continue_at_root() {
+    if (stack_depth_ != 0) return false;
+    must_pop_ = false;
+    return true;
+  }
+  StackEntryOrigin list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries,
+                                      std::uint32_t& start) const;
 
   const std::uint32_t* next_word_ = nullptr;
   std::uint32_t next_step_ = 0;

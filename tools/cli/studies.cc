@@ -25,6 +25,7 @@
 #include "tools/studies/optimise/optimise.h"
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/report/report.h"
+#include "tools/studies/report/vendor_counters.h"
 #include "tools/studies/reproduce/reproduce.h"
 #include "tools/studies/worth/worth.h"
 
@@ -40,13 +41,24 @@ void add_report_command(CLI::App& app) {
       ->required()
       ->expected(1, 16)
       ->type_name("DIR...");
-  verb->add_option("-o,--output", options->out, "the HTML file")->required()->type_name("FILE.html");
-  verb->add_flag("--force", options->force, "replace a file that is not a report page");
+  CLI::Option* out = verb->add_option("-o,--output", options->out, "the HTML file; with --counters, a CSV file");
+  out->type_name("FILE");
+  verb->add_option("--counters", options->counters,
+                   "print a run's ray-tracing counters by the names of a vendor's GPU (docs/counters.md)")
+      ->check(CLI::IsMember({"mali_g1", "mali_g715", "adreno7xx"}))
+      ->type_name("GPU");
+  verb->add_flag("--force", options->force, "replace a file that is not a report page or a table of counters");
   verb->footer(
       "Example: raywatt report raywatt-out/base -o base.html\n"
       "         raywatt report raywatt-out/base raywatt-out/ports -o difference.html\n"
-      "         raywatt report out/trv-cores -o sweep.html");
-  verb->callback([options] {
+      "         raywatt report out/trv-cores -o sweep.html\n"
+      "         raywatt report raywatt-out/base --counters mali_g1");
+  verb->callback([options, out] {
+    if (!options->counters.empty()) {
+      fmt::print("{}", to_terminal_encoding(pages::report_counters(*options)));
+      return;
+    }
+    if (out->count() == 0) throw CLI::RequiredError("--output");
     pages::write_report_page(*options);
     fmt::print("page: {}\n", options->out.string());
   });

@@ -112,9 +112,13 @@ Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList&
 
 }  // namespace
 
-/// Throws InputError if keys are set that apply only to a frame of a sequence.
-static void refuse_frame_keys(const FrameConfig& frame) {
-  if (frame.start == FrameStart::kCold && frame.fps == 0) return;
+/// Throws InputError if keys are set that apply only to frames.
+static void refuse_frame_keys(const RunConfig& config) {
+  if (config.gpu->tni.predictor.enabled) {
+    throw sim::InputError(
+        "--rays: a list of rays has no tiles, from which a predictor learns; allowed: tni.predictor.enabled=false");
+  }
+  if (config.frame.start == FrameStart::kCold && config.frame.fps == 0) return;
   throw sim::InputError("--rays: a list of rays is no frame of a sequence; allowed: frame.start=cold, frame.fps=0");
 }
 
@@ -124,8 +128,8 @@ void run_rays(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
-  refuse_frame_keys(inputs.config.frame);
-  check_table_names(idle_unit_reports(*inputs.config.gpu, false, inputs.config.bvh), inputs.config);
+  refuse_frame_keys(inputs.config);
+  check_table_names(idle_unit_reports(*inputs.config.gpu, {}, inputs.config.bvh), inputs.config);
   print_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays,
                          options.any_hit ? traces::RayKind::kShadow : traces::RayKind::kPrimary,

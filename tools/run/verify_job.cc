@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/report/report_json.h"
@@ -67,7 +68,7 @@ class Verification {
  private:
   void verify_frame(const Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     const kernels::ProgramSpec program = kernels::parse_program(options.program);
-    const traces::BvhTracer tested(inputs.image);
+    const traces::BvhTracer tested(inputs.image, inputs.config.gpu->tni.predictor);
     progress.set_phase("building Embree's tree");
     const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads), is_interrupted);
     const traces::VerifyingTracer verifying(inputs.image, tested, embree);

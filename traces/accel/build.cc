@@ -96,12 +96,13 @@ MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials,
 }  // namespace
 
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
-                               MipMaps mip_maps) {
+                               MipMaps mip_maps, Roughness roughness) {
   const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
-  MaterialTables materials = material_tables(scene, has_mip_maps);
+  MaterialTables materials = material_tables(scene, has_mip_maps, roughness);
   const bool levels = config.instances == InstanceLevels::kTwoLevel;
   MemoryImage image = levels ? build_two_levels(scene, materials, config, threads, stop)
                              : build_one_level(scene, materials, config, threads, stop);
+  image.has_roughness = roughness == Roughness::kOn;
   image.textures = scene.textures;
   if (materials.needs_white) {
     image.white = static_cast<std::uint32_t>(image.textures.size());
@@ -203,7 +204,8 @@ void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned t
     return;
   }
   const MipMaps mip_maps = image.has_mip_maps() ? MipMaps::kOn : MipMaps::kOff;
-  image = build_memory_image(posed, config, threads, stop, mip_maps);
+  const Roughness roughness = image.has_roughness ? Roughness::kOn : Roughness::kOff;
+  image = build_memory_image(posed, config, threads, stop, mip_maps, roughness);
 }
 
 }  // namespace traces

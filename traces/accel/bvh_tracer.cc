@@ -29,6 +29,11 @@ class WalkRecorder {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
   void write_word(std::uint32_t word) { buffer_[used_++] = word; }
+  /// Replaces the first word of the ray begun last.
+  void replace_first_word(std::uint32_t word) {
+    const std::size_t at = sink_.begin.back(), flushed = sink_.words.size();
+    (at < flushed ? sink_.words[at] : buffer_[at - flushed]) = word;
+  }
   /// Flushes the buffer of walk words. Call after the last ray; a destructor could not throw if memory runs out.
   void finish() { flush(); }
 
@@ -91,24 +96,41 @@ class Walk {
         limit_(std::min(ray.t_max, std::numeric_limits<float>::max())) {}
 
   Hit run() {
-    std::uint32_t link = 0;
+    traverse(0);
+    return end_walk();
+  }
+  /// Does what run() does, but first visits the subtree of node `predicted`. Returns in `correct` whether an opaque
+  /// triangle in that subtree blocks the ray.
+  Hit run_from(std::uint32_t predicted, bool& correct) {
+    opaque_only_ = true;
+    correct = traverse(predicted);
+    opaque_only_ = false;
+    return correct ? end_walk() : run();
+  }
+
+ private:
+  /// Visits the subtree of a link. Returns true if a hit ends the walk of an any-hit ray.
+  bool traverse(std::uint32_t link) {
     do {
       record_.make_room();
       if (kTwoLevels && is_instance(link)) {
         link = enter_instance(link_instance(link));
       } else if (is_leaf(link)) {
-        if (enter_leaf(link)) break;
+        if (enter_leaf(link)) return true;
         link = pop_entry();
       } else {
         link = visit_node(link);
       }
     } while (link != kNoChild);
+    return false;
+  }
+
+  Hit end_walk() {
     record_.write_word(end_step(hit_.is_hit()));
     if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].hit_flags();
     return kTwoLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
   }
 
- private:
   struct Entry {
     std::uint32_t link;
     float enter;
@@ -280,6 +302,7 @@ class Walk {
         ends = true;
         break;
       }
+      if (kAnyHit && opaque_only_) continue;
       accept_hit(result, lane, first + lane);
       const unsigned earlier = (2U << lane) - 1;
       in_range = (in_range & earlier) | (reached & less_equal_mask(result.t, Lanes::from_float(limit_)) & ~earlier);
@@ -319,6 +342,7 @@ class Walk {
   std::uint32_t hit_instance_ = kNone;
   std::size_t floor_ = 0;       ///< number of stack entries when the ray entered the instance
   const bool is_single_sided_;  ///< some triangles of the image are single-sided
+  bool opaque_only_ = false;    ///< hits of triangles with flags are ignored
   const float t_min_;
   float limit_;  ///< end of the ray: t_max, or the distance of the hit found so far
   Hit hit_;
@@ -335,6 +359,41 @@ void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hi
     hits[i] = Walk<Lanes, kAnyHit, kTwoLevels, kSlots, std::remove_reference_t<Record>>(image, is_single_sided, rays[i],
                                                                                         record)
                   .run();
+  }
+}
+
+/// Traces shadow rays with look-ups of predicted nodes, in a tree of one level.
+template <class Lanes, std::uint32_t kSlots>
+void trace_predicted(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, WalkRecorder& record,
+                     const TilePredictions& tile) {
+  const bool is_single_sided = image.has_single_sided();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    record.begin_ray();
+    record.make_room();
+    record.write_word(0);  // replaced below
+    const std::uint32_t hash = tile.predictor.hash_of(rays[i]), node = tile.table.find_node(hash);
+    Walk<Lanes, true, false, kSlots, WalkRecorder> walk(image, is_single_sided, rays[i], record);
+    bool correct = false, stored = false;
+    hits[i] = node == kNone ? walk.run() : walk.run_from(node, correct);
+    if (hits[i].is_hit() && !hits[i].is_flagged()) {
+      const std::uint32_t above = tile.predictor.node_to_store(hits[i].triangle_index());
+      stored = above != kNone;
+      if (stored) tile.updates.push_back({hash, above});
+    }
+    record.replace_first_word(look_up_step(node == kNone ? kNoPrediction : node, correct, stored));
+  }
+  record.finish();
+}
+
+template <class Lanes>
+void trace_predicted(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, WalkSink& walk) {
+  WalkRecorder record(walk);
+  if (!image.is_wide()) {
+    trace_predicted<Lanes, 0>(image, rays, hits, record, *walk.predictions);
+  } else if (image.wide_slots() <= 4) {
+    trace_predicted<Lanes, 4>(image, rays, hits, record, *walk.predictions);
+  } else {
+    trace_predicted<Lanes, kMaxWidth>(image, rays, hits, record, *walk.predictions);
   }
 }
 
@@ -366,9 +425,18 @@ BvhTracer::BvhTracer(const MemoryImage& image, Arithmetic arithmetic) : image_(i
   assert(image.node_count() != 0);
 }
 
+BvhTracer::BvhTracer(const MemoryImage& image, const PredictorConfig& predictor) : BvhTracer(image) {
+  if (predictor.enabled) predictor_.emplace(image, predictor);
+}
+
 void BvhTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const {
   assert(hits.size() == rays.size());
   const bool any = kind == RayKind::kShadow;
+  if (any && walk != nullptr && walk->predictions != nullptr) {
+    arithmetic_ == Arithmetic::kNative ? trace_predicted<NativeLanes>(image_, rays, hits, *walk)
+                                       : trace_predicted<PortableLanes>(image_, rays, hits, *walk);
+    return;
+  }
   if (arithmetic_ == Arithmetic::kNative) {
     trace_with<NativeLanes>(image_, rays, any, hits, walk);
   } else {

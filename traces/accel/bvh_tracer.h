@@ -1,5 +1,8 @@
 #pragma once
+#include <optional>
+
 #include "traces/accel/memory_image.h"
+#include "traces/accel/ray_predictor.h"
 #include "traces/ray.h"
 
 namespace traces {
@@ -14,6 +17,9 @@ namespace traces {
 /// transparent) becomes the candidate and limits the ray, and the walk continues. The candidate is the result if no hit
 /// ends the walk.
 ///
+/// 5. With a predictor, a recorded shadow ray first visits the subtree that its look-up finds, where it accepts opaque
+/// triangles only. If none blocks it, the whole walk follows. So whether a ray is blocked never depends on the table.
+///
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
@@ -23,11 +29,15 @@ class BvhTracer : public Tracer {
 
   /// `image` must outlive the tracer.
   explicit BvhTracer(const MemoryImage& image, Arithmetic arithmetic = Arithmetic::kNative);
+  /// A tracer with a predictor, if the configuration enables it.
+  BvhTracer(const MemoryImage& image, const PredictorConfig& predictor);
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
+  const RayPredictor* ray_predictor() const override { return predictor_ ? &*predictor_ : nullptr; }
 
  private:
   const MemoryImage& image_;
   Arithmetic arithmetic_;
+  std::optional<RayPredictor> predictor_;
 };
 
 }  // namespace traces

@@ -58,6 +58,7 @@ class VerifyingTracer : public Tracer {
   /// The image and both tracers must outlive this tracer.
   VerifyingTracer(const MemoryImage& image, const Tracer& tested, const Tracer& reference);
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
+  const RayPredictor* ray_predictor() const override { return tested_.ray_predictor(); }
   VerifyCounts verify_counts() const;
 
  private:

@@ -134,6 +134,82 @@ void read_raster(ByteReader& from, const RasterArraySizes& demands, const WorkNo
   if (listed != entries) throw sim::InputError("lists have not as many entries as triangles are in them");
 }
 
+// Encoding of the work of the tree builder.
+
+void write_build_job(const BuildWork& job, ByteWriter& to) {
+  to.write_byte(static_cast<std::uint32_t>(job.input));
+  to.write_byte(job.refit ? 1 : 0);
+  to.write_number(job.first_item);
+  to.write_number(job.comparisons);
+  for (const BuildWork::Range& range : job.output) {
+    to.write_number(range.offset);
+    to.write_number(range.bytes);
+  }
+}
+
+/// Decodes the job of a kBuild node and adds it to TileWork::build. Throws InputError, without a file name, if the job
+/// exceeds `sizes`.
+void read_build_job(ByteReader& from, const BuildArraySizes& sizes, WorkNode& node, TileWork& work) {
+  constexpr const char* kWhat = "the building of a tree";
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
+  BuildWork job;
+  job.input = static_cast<BuildWork::Input>(from.read_byte());
+  if (job.input > BuildWork::Input::kInstances) ByteReader::throw_out_of_range(kWhat);
+  const std::uint32_t refit = from.read_byte();
+  if (refit > 1) ByteReader::throw_out_of_range(kWhat);
+  job.refit = refit != 0;
+  const std::uint32_t most = job.input == BuildWork::Input::kTriangles ? sizes.triangles : sizes.instances;
+  job.first_item = from.read_number32(most, kWhat);
+  job.comparisons = from.read_number(kMostBytes, kWhat);
+  if (node.items > most - job.first_item) ByteReader::throw_out_of_range(kWhat);
+  for (BuildWork::Range& range : job.output) {
+    range.offset = from.read_number(kMostBytes, kWhat);
+    range.bytes = from.read_number(kMostBytes, kWhat);
+  }
+  node.first = static_cast<std::uint32_t>(work.build.size());
+  work.build.push_back(job);
+}
+
+/// Encodes the triangles of a kBuild node: vertices in input order, then input numbers in leaf order.
+void write_build_triangles(const TileWork& work, const WorkNode& node, ByteWriter& to) {
+  const BuildWork& job = work.build[node.first];
+  if (job.input != BuildWork::Input::kTriangles) return;
+  std::uint32_t last = 0;
+  for (std::uint32_t i = job.first; i < job.first + node.items; ++i) {
+    for (const std::uint32_t vertex : work.build_triangles[i]) {
+      to.write_difference(signed_difference(last, vertex));
+      last = vertex;
+    }
+  }
+  last = 0;
+  for (std::uint32_t i = job.first; i < job.first + node.items; ++i) {
+    to.write_difference(signed_difference(last, work.build_order[i]));
+    last = work.build_order[i];
+  }
+}
+
+void read_build_triangles(ByteReader& from, const BuildArraySizes& sizes, const WorkNode& node, TileWork& work) {
+  BuildWork& job = work.build[node.first];
+  if (job.input != BuildWork::Input::kTriangles) return;
+  constexpr std::uint32_t kBytes = 4;  // fewest bytes of a triangle
+  if (node.items > from.bytes_left() / kBytes) ByteReader::throw_out_of_range("triangles of a tree");
+  job.first = static_cast<std::uint32_t>(work.build_triangles.size());
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < node.items; ++i) {
+    std::array<std::uint32_t, 3>& triangle = work.build_triangles.emplace_back();
+    for (std::uint32_t& vertex : triangle) {
+      vertex = last = from.read_difference_from(last, sizes.vertices, "vertex of a triangle");
+      if (vertex == sizes.vertices) ByteReader::throw_out_of_range("vertex of a triangle");
+    }
+  }
+  last = 0;
+  for (std::uint32_t i = 0; i < node.items; ++i) {
+    last = from.read_difference_from(last, node.items, "number of a triangle");
+    if (last == node.items) ByteReader::throw_out_of_range("number of a triangle");
+    work.build_order.push_back(last);
+  }
+}
+
 // The following functions check that any machine can execute a decoded tile. They throw InputError, without a file
 // name.
 
@@ -190,7 +266,7 @@ void check_imports(const TileWork& work) {
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
 constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< limit on items with accesses; rises by 8 per encoded byte
 
-enum WalkEncoding : std::uint32_t { kCompact = 0, kPlain = 1 };
+enum WalkEncoding : std::uint32_t { kCompact = 0, kPlain = 1, kCompactLookUps = 2, kWalkEncodings };
 
 void append_words(const std::vector<std::uint32_t>& words, std::string& out) {
   const std::size_t before = out.size();
@@ -203,8 +279,9 @@ void write_walks(const TileWork& work, const Links& links, std::string& out) {
   to.write_number(work.ray_begin.size());
   to.write_number(work.walk.size());
   const std::size_t form = out.size();
-  to.write_byte(kCompact);
-  if (encode_walks(work, links, out)) return;
+  const bool look_ups = has_look_ups(work);
+  to.write_byte(look_ups ? kCompactLookUps : kCompact);
+  if (encode_walks(work, links, look_ups, out)) return;
   out[form] = static_cast<char>(kPlain);
   append_words(work.walk, out);
 }
@@ -232,6 +309,9 @@ void write_node(const TileWork& work, std::uint32_t node_index, ByteWriter& to) 
     case WorkNode::Kind::kBin:
     case WorkNode::Kind::kRaster:
       write_raster_counts(work, node, to);
+      break;
+    case WorkNode::Kind::kBuild:
+      write_build_job(work.build[node.first], to);
       break;
   }
   to.write_number(node.inputs.size());
@@ -311,6 +391,7 @@ void TileEncoder::encode_tile(const TileWork& work, const Links& links, std::str
     if (mapped) write_sources(work, node, to);
     if (loads) accesses_.write_launch(work, node, out);
     if (node.raster != WorkNode::kNone) write_raster(work, node, to);
+    if (node.kind == WorkNode::Kind::kBuild) write_build_triangles(work, node, to);
     rays += traces ? node.items : 0;
     items += loads ? node.items : 0;
   }
@@ -358,8 +439,9 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
 void TileDecoder::read_kind(ByteReader& from, const TileScope& scope, WorkNode& node) {
   const std::uint32_t kind = from.read_byte();
   const WorkNode::Kind last = scope.raster ? WorkNode::Kind::kRaster : WorkNode::Kind::kTransfer;
-  if (kind > static_cast<std::uint32_t>(last)) ByteReader::throw_out_of_range("kind of a node");
   node.kind = static_cast<WorkNode::Kind>(kind);
+  if (scope.build && node.kind == WorkNode::Kind::kBuild) return;
+  if (kind > static_cast<std::uint32_t>(last)) ByteReader::throw_out_of_range("kind of a node");
 }
 
 void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
@@ -367,6 +449,9 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   work.raster.clear();
   work.raster_triangles.clear();
   work.list_runs.clear();
+  work.build.clear();
+  work.build_triangles.clear();
+  work.build_order.clear();
   const std::uint32_t nodes =
       from.read_number32(std::min<std::uint64_t>(from.bytes_left() / 3, kMaxTileNodes), "number of nodes");
   if (nodes == 0) ByteReader::throw_out_of_range("number of nodes");
@@ -389,6 +474,10 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
       case WorkNode::Kind::kBin:
       case WorkNode::Kind::kRaster:
         read_raster_counts(from, node, work);
+        break;
+      case WorkNode::Kind::kBuild:
+        if (nodes != 1) ByteReader::throw_out_of_range("number of nodes");
+        read_build_job(from, *scope.build, node, work);
         break;
     }
     read_inputs(from, n, work);
@@ -417,6 +506,7 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
   }
   read_nodes(from, scope, work);
   work.accesses.clear();
+  work.ray_keys.clear();
   work.access_begin.clear();
   work.sources.clear();
   accesses_.begin_tile();
@@ -432,13 +522,17 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
         work.sources.push_back(static_cast<std::uint32_t>(source));
       }
     }
-    if (node.has_accesses) accesses_.read_launch(from, scope.counts, node.items, work);
+    if (node.has_accesses) {
+      const std::uint64_t stored = scope.region_bytes[static_cast<std::size_t>(Region::kSamples)] / kStoredWordBytes;
+      accesses_.read_launch(from, {scope.counts, stored}, node.items, work);
+    }
     if (node.raster != WorkNode::kNone) {
       RasterWork& job = work.raster[node.raster];
       job.first_triangle = static_cast<std::uint32_t>(work.raster_triangles.size());
       job.first_run = static_cast<std::uint32_t>(work.list_runs.size());
       read_raster(from, *scope.raster, node, work);
     }
+    if (node.kind == WorkNode::Kind::kBuild) read_build_triangles(from, *scope.build, node, work);
   }
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 
@@ -446,15 +540,19 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
   // Each walk takes at least one bit.
   if (rays != rays_ || rays > 8 * from.bytes_left()) throw sim::InputError("has not as many walks as rays");
   const std::uint32_t words = from.read_number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
-  const std::uint32_t form = read_flag(from, "form of walks");
+  const std::uint32_t form = from.read_byte();
+  if (form >= kWalkEncodings) ByteReader::throw_out_of_range("form of walks");
+  if (form == kCompactLookUps && !scope.look_ups) {
+    throw sim::InputError("has walks with look-ups; allowed without tni.predictor: none");
+  }
   const std::string_view rest = from.read_bytes(from.bytes_left());
   if (form == kPlain) {
     if (rest.size() != 4 * std::uint64_t{words}) throw sim::InputError("has not as many walks as it says");
-    found_.steps = decode_plain_walks(rest, scope.links, rays, work);
+    found_.steps = decode_plain_walks(rest, scope.links, scope.look_ups, rays, work);
   } else {
     // Each word takes at least one bit.
     if (words > 8 * std::uint64_t{rest.size()}) ByteReader::throw_out_of_range("words of walks");
-    found_.steps = decode_walks(rest, scope.links, rays, words, work);
+    found_.steps = decode_walks(rest, scope.links, form == kCompactLookUps, rays, words, work);
   }
   return found_;
 }

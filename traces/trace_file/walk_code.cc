@@ -65,6 +65,9 @@ constexpr std::uint32_t slot_at(std::uint32_t mask, std::uint32_t position) {
   return static_cast<std::uint32_t>(std::countr_zero(mask));
 }
 
+/// State of a walk whose look-up has found a node: whether the walk ends below the node, or continues at the root.
+enum class Prediction : std::uint8_t { kNone, kCorrect, kWrong };
+
 [[noreturn]] void throw_invalid_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
 /// Appends bits to memory, lowest bit first.
@@ -100,8 +103,9 @@ struct NoBits {
 template <bool kWide>
 class WalkChecker {
  public:
-  WalkChecker(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
-      : links_(nodes_of(links)),
+  WalkChecker(const Links& links, bool look_ups, const std::uint32_t* words, const std::uint32_t* end)
+      : look_ups_(look_ups),
+        links_(nodes_of(links)),
         roots_(links.roots),
         slots_(links.slots),
         cull_bits_(cull_bits(kWide, !links.roots.empty())),
@@ -115,6 +119,8 @@ class WalkChecker {
   template <class Bits>
   bool follow_walk(Bits& out) {
     std::uint32_t link = 0, depth = 0;
+    Prediction prediction = Prediction::kNone;
+    if (look_ups_ && !follow_look_up(out, link, prediction)) return false;
     for (;;) {
       if (at_ == end_) return false;
       const std::uint32_t word = *at_++;
@@ -148,6 +154,14 @@ class WalkChecker {
       // A pop or the end must follow.
       if (at_ == end_) return false;
       std::uint32_t next = *at_, culled = 0;
+      if (prediction == Prediction::kWrong) {
+        if (kind_of(next) == StepKind::kCull || kind_of(next) == StepKind::kEnd) return false;
+        if (depth == 0) {
+          prediction = Prediction::kNone;
+          link = 0;
+          continue;
+        }
+      }
       if (depth != 0) {
         if (kind_of(next) == StepKind::kCull) {
           culled = culled_of(next);
@@ -163,7 +177,7 @@ class WalkChecker {
         if (depth != 0 && culled != 0) return false;
         out.put_bits(depth == 0 ? kCullAll : kEndHere, 2);
       }
-      if (next != end_step(false) && next != end_step(true)) return false;
+      if (next != end_step(true) && (next != end_step(false) || prediction == Prediction::kCorrect)) return false;
       at_ += 1;
       out.put_bits(next & 1, 1);
       return true;
@@ -178,6 +192,23 @@ class WalkChecker {
     } else {
       return links.nodes;
     }
+  }
+
+  /// Checks the look-up with which a walk may begin. Sets `link` to the node at which the walk begins.
+  template <class Bits>
+  bool follow_look_up(Bits& out, std::uint32_t& link, Prediction& prediction) {
+    if (at_ == end_) return false;
+    const std::uint32_t word = *at_;
+    out.put_bits(is_look_up(word), 1);
+    if (!is_look_up(word)) return true;
+    at_ += 1;
+    const bool predicted = node_of(word) != kNoPrediction, correct = is_correct_look_up(word);
+    out.put_bits((predicted ? 2U : 0U) | (stores_hit(word) ? 1U : 0U), 2);
+    if (!predicted) return !correct;
+    out.put_bits(std::uint64_t{node_of(word)} << 1 | (correct ? 1U : 0U), 1 + kNodeBits);
+    link = node_of(word);
+    prediction = correct ? Prediction::kCorrect : Prediction::kWrong;
+    return link != 0 && link < links_.size();
   }
 
   /// Checks the two words of a wide visit and pushes all hit children but the nearest.
@@ -211,6 +242,7 @@ class WalkChecker {
     return true;
   }
 
+  const bool look_ups_;
   const Nodes& links_;
   const std::vector<std::uint32_t>& roots_;
   const std::uint32_t slots_;
@@ -221,12 +253,12 @@ class WalkChecker {
 };
 
 template <bool kWide>
-bool encode_checked(const TileWork& work, const Links& links, std::string& out) {
+bool encode_checked(const TileWork& work, const Links& links, bool look_ups, std::string& out) {
   const std::size_t before = out.size();
   out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word takes at most 4 bytes
   BitWriter bits(out.data() + before);
   const std::uint32_t* begin = work.walk.data();
-  WalkChecker<kWide> follower(links, begin, begin + work.walk.size());
+  WalkChecker<kWide> follower(links, look_ups, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
     good = follower.next_word() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
@@ -237,9 +269,9 @@ bool encode_checked(const TileWork& work, const Links& links, std::string& out) 
 }
 
 template <bool kWide>
-WalkSteps check_plain_walks(const Links& links, TileWork& work) {
+WalkSteps check_plain_walks(const Links& links, bool look_ups, TileWork& work) {
   const std::uint32_t* begin = work.walk.data();
-  WalkChecker<kWide> follower(links, begin, begin + work.walk.size());
+  WalkChecker<kWide> follower(links, look_ups, begin, begin + work.walk.size());
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
     at = static_cast<std::uint32_t>(follower.next_word() - begin);
@@ -251,15 +283,22 @@ WalkSteps check_plain_walks(const Links& links, TileWork& work) {
 
 }  // namespace
 
-bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
-  return links.is_wide() ? encode_checked<true>(work, links, out) : encode_checked<false>(work, links, out);
+bool has_look_ups(const TileWork& work) {
+  return std::ranges::any_of(work.ray_begin, [&](std::uint32_t begin) { return is_look_up(work.walk[begin]); });
 }
 
-WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {
+bool encode_walks(const TileWork& work, const Links& links, bool look_ups, std::string& out) {
+  return links.is_wide() ? encode_checked<true>(work, links, look_ups, out)
+                         : encode_checked<false>(work, links, look_ups, out);
+}
+
+WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, bool look_ups, std::uint32_t rays,
+                             TileWork& work) {
   work.walk.resize(bytes.size() / 4);
   if (!bytes.empty()) std::memcpy(work.walk.data(), bytes.data(), bytes.size());
   work.ray_begin.resize(rays);
-  return links.is_wide() ? check_plain_walks<true>(links, work) : check_plain_walks<false>(links, work);
+  return links.is_wide() ? check_plain_walks<true>(links, look_ups, work)
+                         : check_plain_walks<false>(links, look_ups, work);
 }
 
 namespace {
@@ -332,15 +371,37 @@ inline std::uint32_t decode_wide_visit(std::uint64_t window, const std::array<st
   return wide_hits(mask, order);
 }
 
+/// Decodes the look-up with which a walk may begin. Sets `link` to the node at which the walk begins.
+inline Prediction decode_look_up(std::uint32_t nodes, Cursor& c, std::uint32_t& link) {
+  if (c.at >= c.end) throw_invalid_walk();
+  if (c.out >= c.last) c.grow_output();
+  const std::uint64_t window = load_unaligned<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
+  c.at += 1;
+  if ((window & 1) == 0) return Prediction::kNone;
+  c.at += 2;
+  const bool stored = (window >> 1 & 1) != 0, predicted = (window >> 2 & 1) != 0;
+  if (!predicted) {
+    *c.out++ = look_up_step(kNoPrediction, false, stored);
+    return Prediction::kNone;
+  }
+  c.at += 1 + kNodeBits;
+  const bool correct = (window >> 3 & 1) != 0;
+  link = node_of(static_cast<std::uint32_t>(window >> 4));
+  if (link == 0 || link >= nodes) throw_invalid_walk();
+  *c.out++ = look_up_step(link, correct, stored);
+  return correct ? Prediction::kCorrect : Prediction::kWrong;
+}
+
 /// Decodes the recorded walk of one ray.
 template <bool kLevels, bool kWide>
-inline void decode_walk(const Links& links, Cursor& c) {
+inline void decode_walk(const Links& links, bool look_ups, Cursor& c) {
   const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
   const auto nodes = static_cast<std::uint32_t>(links.node_count());
   // Which child is entered first, for each code of a visit.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
   std::array<std::uint32_t, stack_size(kWide)> stack;
   std::uint32_t link = 0, depth = 0;
+  Prediction prediction = look_ups ? decode_look_up(nodes, c, link) : Prediction::kNone;
   for (;;) {
     if (c.at >= c.end) throw_invalid_walk();
     if (c.out >= c.last) c.grow_output();
@@ -390,6 +451,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
         link = stack[--depth];
         continue;
       }
+      if (prediction == Prediction::kWrong) throw_invalid_walk();
       window >>= 2;
       if (pop == kCullSome) {
         const auto culled = static_cast<std::uint32_t>(window & ((1U << cull_bits(kWide, kLevels)) - 1));
@@ -401,7 +463,12 @@ inline void decode_walk(const Links& links, Cursor& c) {
         continue;
       }
       if (pop == kCullAll) *c.out++ = cull_step(depth);
+    } else if (prediction == Prediction::kWrong) {
+      prediction = Prediction::kNone;
+      link = 0;
+      continue;
     }
+    if (prediction == Prediction::kCorrect && (window & 1) == 0) throw_invalid_walk();
     *c.out++ = end_step((window & 1) != 0);
     c.at += 1;
     return;
@@ -410,13 +477,13 @@ inline void decode_walk(const Links& links, Cursor& c) {
 
 /// Decodes the recorded walks of rays through a BVH of one or two levels.
 template <bool kLevels, bool kWide>
-WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                        TileWork& work) {
+WalkSteps decode_levels(std::string_view bits, const Links& links, bool look_ups, std::uint32_t rays,
+                        std::uint32_t words, TileWork& work) {
   Cursor c(bits, words, work.walk);
   work.ray_begin.resize(rays);
   for (std::uint32_t& ray : work.ray_begin) {
     ray = c.word_count();
-    decode_walk<kLevels, kWide>(links, c);
+    decode_walk<kLevels, kWide>(links, look_ups, c);
   }
   if (c.word_count() != words || (c.at + 7) / 8 != bits.size()) throw_invalid_walk();
   work.walk.resize(words);
@@ -425,14 +492,14 @@ WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t
 
 }  // namespace
 
-WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                       TileWork& work) {
+WalkSteps decode_walks(std::string_view bits, const Links& links, bool look_ups, std::uint32_t rays,
+                       std::uint32_t words, TileWork& work) {
   if (links.is_wide()) {
-    return links.roots.empty() ? decode_levels<false, true>(bits, links, rays, words, work)
-                               : decode_levels<true, true>(bits, links, rays, words, work);
+    return links.roots.empty() ? decode_levels<false, true>(bits, links, look_ups, rays, words, work)
+                               : decode_levels<true, true>(bits, links, look_ups, rays, words, work);
   }
-  return links.roots.empty() ? decode_levels<false, false>(bits, links, rays, words, work)
-                             : decode_levels<true, false>(bits, links, rays, words, work);
+  return links.roots.empty() ? decode_levels<false, false>(bits, links, look_ups, rays, words, work)
+                             : decode_levels<true, false>(bits, links, look_ups, rays, words, work);
 }
 
 }  // namespace traces

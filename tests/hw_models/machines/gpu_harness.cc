@@ -104,7 +104,8 @@ Method::Method(const std::string& scene, const std::string& program, const kerne
     : Method(traces::open_scene(scene), program, programs, render_config(width, height, tile), bvh) {}
 
 Method::Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-               const kernels::RenderConfig& render, const traces::BvhConfig& bvh)
+               const kernels::RenderConfig& render, const traces::BvhConfig& bvh,
+               const traces::PredictorConfig& predictor)
     : spec_(kernels::parse_program(program)),
       programs_(programs),
       render_(render),
@@ -112,10 +113,17 @@ Method::Method(const traces::Scene& scene, const std::string& program, const ker
       camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, bvh, 1, nullptr, render.mip_maps)),
       parents_(traces::parent_indices(image_)),
-      tracer_(image_) {}
+      tracer_(image_, predictor) {}
 
 std::unique_ptr<kernels::FrameProgram> Method::make() const {
-  return kernels::make_program(spec_, {image_, camera_, render_, programs_, rates_, 0});
+  return kernels::make_program(spec_,
+                               {image_, camera_, render_, programs_, rates_, 0, 1, builds_ ? &*builds_ : nullptr});
+}
+
+Method& Method::build_trees(bool refit, bool overlap, traces::BuildEngine engine) {
+  builds_ = traces::tree_builds(image_, refit, overlap);
+  builds_->engine = engine;
+  return *this;
 }
 
 Gpu::Workload Method::workload() const {

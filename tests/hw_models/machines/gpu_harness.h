@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -52,9 +53,18 @@ class Method {
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
          std::uint32_t width, std::uint32_t height, std::uint32_t tile, const traces::BvhConfig& bvh = {});
   Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-         const kernels::RenderConfig& render, const traces::BvhConfig& bvh = {});
+         const kernels::RenderConfig& render, const traces::BvhConfig& bvh = {},
+         const traces::PredictorConfig& predictor = {});
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
+
+  /// Makes the machine build or refit the scene's trees before the tiles.
+  Method& build_trees(bool refit = false, bool overlap = false,
+                      traces::BuildEngine engine = traces::BuildEngine::kUnit);
+  /// Gives the machine a tree builder that has no work.
+  void build_nothing() { builds_.emplace(); }
+  const traces::MemoryImage& image() const { return image_; }
+  const traces::TreeBuilds& builds() const { return *builds_; }
 
   std::unique_ptr<kernels::FrameProgram> make() const;
   const traces::Tracer& tracer() const { return tracer_; }
@@ -69,6 +79,7 @@ class Method {
   const traces::MemoryImage image_;
   const std::vector<std::uint32_t> parents_;
   const traces::BvhTracer tracer_;
+  std::optional<traces::TreeBuilds> builds_;
 };
 
 /// Small frames that several tests share.

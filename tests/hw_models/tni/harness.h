@@ -43,7 +43,7 @@ class TniHarness {
         source_id_(machine_.unit({"source", clock_})),
         memory_id_(machine_.unit({"memory", clock_})),
         tni_(machine_, setup.config, setup.ideal, 0, clock_, setup.kind),
-        rays_in_(machine_.link<RayJob>(setup.fifo, 1, source_id_, tni_.dispatcher_id())),
+        rays_in_(machine_.link<RayJob>(setup.fifo, 1, source_id_, tni_.rays_in_id())),
         hits_out_(machine_.link<RayDone>(setup.fifo, 1, tni_.dispatcher_id(), source_id_)) {
     for (const MemoryClient& client : tni_.memory_clients()) {
       ports_.push_back({machine_.link<MemRequest>(4, 1, client.unit, memory_id_),
@@ -65,10 +65,10 @@ class TniHarness {
                      setup.hit_interval, {rays_in_, hits_out_, ports_});
   }
 
-  TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
+  TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1, std::uint32_t key = 0) {
     walks_.push_back(std::move(walk));
     for (std::uint32_t i = 0; i < times; ++i) {
-      to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size())});
+      to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size()), kNoTile, key});
     }
     return *this;
   }

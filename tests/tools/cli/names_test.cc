@@ -70,7 +70,6 @@ TEST(Refusals, SuggestWhatToTypeInstead) {
           {"no configuration file 'lpddr9'", "known: lpddr3-1600, lpddr4-3200, "});
   refused({"config", "show", "--set", "bvh.compression=on"},
           {"bvh.compression: is not modelled", "docs/design/not-modelled.md"});
-  refused({"config", "show", "--set", "tni.predictor=on"}, {"tni.predictor: is not modelled", "root of the tree"});
   refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
   refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
   refused({"run", "--ideal", "l3"}, {"--ideal: 'l3' is unknown; allowed: tni, l1, l2, dram, "});

@@ -18,7 +18,8 @@ namespace {
 /// Calls f for each array of variable length in a tile's recorded work and result.
 void for_each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
-  f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
+  f(work.nodes), f(work.walk), f(work.ray_begin), f(work.ray_keys), f(work.accesses), f(work.access_begin),
+      f(work.sources);
   f(work.raster), f(work.raster_triangles), f(work.list_runs);
   f(tile.background), f(tile.shown), f(tile.marks), f(tile.pixel_work);
 }
@@ -33,6 +34,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       itemised_(itemised),
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+  if (record && tracer.ray_predictor() != nullptr) predictions_.emplace(*tracer.ray_predictor());
   if (itemised) {
     result_.summaries.tiles.reserve(tile_count());
     result_.pixels.resize(program.picture().size() / 3);
@@ -63,6 +65,11 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   std::unique_ptr<Slot> slot = std::move(spare_.back());
   spare_.pop_back();
   for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
+  if (predictions_) {
+    slot->updates.clear();
+    slot->predictions.emplace(*tracer_.ray_predictor(), predictions_->table_of(next_tile_), slot->updates);
+    slot->tile.predictions = &*slot->predictions;
+  }
   return slot;
 }
 
@@ -156,6 +163,10 @@ void FrontEnd::commit_slot(const Slot& slot) {
     ++longest;
   });
   program_.commit_tile(slot.tile);
+  if (predictions_) {
+    predictions_->commit_tile(slot.updates);
+    room_.notify_all();
+  }
   if (itemised_) add_tile_costs(slot.tile);
   if (taken_ == tile_count()) finish_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];

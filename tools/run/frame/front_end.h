@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
 #include "tools/host/progress.h"
+#include "traces/accel/ray_predictor.h"
 #include "traces/ray.h"
 
 namespace hw {
@@ -48,6 +50,7 @@ struct RenderResult {
 
 /// Executes a frame program tile by tile, in the order of the tile list, and keeps the picture. Worker threads run
 /// ahead of the machine by a bounded number of tiles and bytes. The results are independent of the number of threads.
+/// If the tracer has a ray predictor, a recorded tile starts only after the tile `lag` before it has been committed.
 class FrontEnd final : public hw::TileSource {
  public:
   /// `workers`: threads in addition to the caller's; 0: next() executes tiles. `record`: also record the work for a
@@ -70,6 +73,8 @@ class FrontEnd final : public hw::TileSource {
  private:
   struct Slot {
     kernels::TileResult tile;
+    std::vector<traces::PredictorUpdate> updates;        ///< updates of the predictor by the tile's rays
+    std::optional<traces::TilePredictions> predictions;  ///< what the tile's rays look up, if they are predicted
     double seconds = 0;
     std::uint64_t bytes = 0;  ///< size of the tile's arrays, set when the tile is ready
     bool ready = false;
@@ -78,11 +83,12 @@ class FrontEnd final : public hw::TileSource {
   void run_ahead();
   bool can_execute_ahead() const {
     constexpr std::uint64_t kMaxBytes = 256U << 20;
-    return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
+    return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes &&
+           (!predictions_ || next_tile_ < predictions_->end_of_startable());
   }
   const traces::TileWork* take_tile();
-  /// Returns a free tile slot. Its arrays are as large as any tile has needed so far, so that later tiles do not
-  /// allocate.
+  /// Returns a free tile slot for the tile `next_tile_`. Its arrays are as large as any tile has needed so far, so that
+  /// later tiles do not allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
   void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
@@ -97,6 +103,7 @@ class FrontEnd final : public hw::TileSource {
   const traces::Tracer& tracer_;
   const bool record_, itemised_;
   const std::vector<std::uint32_t> tile_indices_;
+  std::optional<traces::PredictorHistory> predictions_;  ///< if the tracer's rays are predicted and recorded
   RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
@@ -105,7 +112,7 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned
   std::size_t slots_ = 0;                  ///< number of slots in ahead_, handed_ and spare_
-  std::array<std::size_t, 13> longest_{};  ///< maximum sizes of the arrays of a tile so far
+  std::array<std::size_t, 14> longest_{};  ///< maximum sizes of the arrays of a tile so far
   kernels::TileBuffer buffer_;             ///< scratch memory of the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;

@@ -165,12 +165,18 @@ std::map<std::string, std::set<std::string>> counters_by_event(const std::vector
   return out;
 }
 
+/// Returns a machine's configuration with the units that it may lack.
+hw::GpuConfig with_all_units(hw::GpuConfig config) {
+  config.tni.predictor.enabled = true;
+  return config;
+}
+
 /// Finds the performance counters and hardware units whose energy depends on an entry of the energy tables.
 class Users {
  public:
   explicit Users(const RunConfig& config)
       : config_(config),
-        units_(idle_unit_reports(*config.gpu, true, config.bvh)),
+        units_(idle_unit_reports(with_all_units(*config.gpu), {.rasterisers = true, .tree_builder = true}, config.bvh)),
         counters_(counters_by_event(units_)) {}
 
   const std::vector<sim::UnitReport>& all_units() const { return units_; }
