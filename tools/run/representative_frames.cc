@@ -34,6 +34,11 @@ void check_sequence(const Inputs& inputs) {
   if (inputs.config.programs.denoise.has_kernels()) {
     throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
   }
+  const traces::BuildPolicy policy = inputs.config.build.policy;
+  if (policy == traces::BuildPolicy::kPeriod || policy == traces::BuildPolicy::kCost) {
+    throw sim::InputError(
+        "--representative: trees of this build.policy depend on earlier frames; allowed: update, refit, rebuild");
+  }
   if (inputs.config.thermal.minutes > 0) {
     throw sim::InputError("--representative: the governor needs every frame; allowed: thermal.minutes=0");
   }

@@ -118,6 +118,7 @@ TEST(RepresentativeFrames, RefuseWhatCannotBeCombined) {
   };
   refused("render.primary=raster");
   refused("thermal.minutes=1");
+  refused("build.policy=cost");
   EXPECT_THROW(report_of(orbit_options("7", "3"), "auto"), sim::InputError);
 }
 
