@@ -17,6 +17,11 @@ namespace {
 
 /// Relative half-width of the intervals of cycles and energy below which --representative auto adds no more frames.
 constexpr double kTargetWidth = 0.03;
+/// Relative half-width of an interval that has rounding errors only.
+constexpr double kExactWidth = 1e-9;
+/// Least number of frames to simulate, unless frames of a cluster are equal. Chosen: intervals of fewer may be too
+/// narrow by chance.
+constexpr std::size_t kLeastFrames = 12;
 /// Largest share of the frames to simulate; a sequence that needs more is simulated whole.
 constexpr double kMostFramesShare = 0.4;
 
@@ -126,13 +131,16 @@ std::vector<const FrameResult*> RepresentativeFrames::chosen_results() const {
 bool RepresentativeFrames::add_frames() {
   const auto width = [](const Interval& total) { return total.half_width() / total.estimate; };
   const double of_cycles = width(estimate_cycles()), of_energy = width(estimate_energy());
-  const double off = std::max(of_cycles, of_energy) / kTargetWidth;
-  if (off <= 1 || sample_.has_all_frames()) return false;
+  const double widest = std::max(of_cycles, of_energy);
+  if (widest < kExactWidth || sample_.has_all_frames()) return false;
+  const std::size_t missing = kLeastFrames - std::min(kLeastFrames, sample_.chosen().size());
+  if (widest <= kTargetWidth && missing == 0) return false;
   std::vector<double> observed;
   for (const FrameResult* frame : chosen_results()) {
     observed.push_back(of_cycles > of_energy ? static_cast<double>(frame->cycles) : frame->energy.total_pj.nominal);
   }
-  sample_.add_frames(next_round_frames(sample_.chosen().size(), results_.size(), off), observed);
+  const std::size_t more = next_round_frames(sample_.chosen().size(), results_.size(), widest / kTargetWidth);
+  sample_.add_frames(std::max(missing, more), observed);
   rounds_ += 1;
   if (progress_ != nullptr) progress_->expect_parts(frame_count());
   return true;
