@@ -184,19 +184,20 @@ std::vector<std::uint32_t> link_nodes(Keys& sorted) {
   ports.parents.bind(&parent);
   ports.last_triangle = last;
   constexpr std::uint32_t kNotVisited = 0xffffffffU;
-  std::vector<std::uint32_t> parents, other_end(sorted.size(), kNotVisited);  // by split: end of the half that arrived first
+  std::vector<std::uint32_t> parents,
+      other_end(sorted.size(), kNotVisited);  // by boundary: end of the half that arrived first
   for (std::uint32_t triangle = 0; triangle <= last; ++triangle) {
     range = {triangle, triangle};
     while (range.first != 0 || range.last != last) {
       LinkNode::body<float>(0U, ports);
       parents.push_back(parent.number);
       const bool is_left = parent.number == range.last && range.last != last;
-      const std::uint32_t split = parent.number;
-      if (other_end[split] == kNotVisited) {
-        other_end[split] = is_left ? range.first : range.last;
+      const std::uint32_t boundary = parent.number;
+      if (other_end[boundary] == kNotVisited) {
+        other_end[boundary] = is_left ? range.first : range.last;
         break;
       }
-      (is_left ? range.last : range.first) = other_end[split];
+      (is_left ? range.last : range.first) = other_end[boundary];
     }
   }
   return parents;

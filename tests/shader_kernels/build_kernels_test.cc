@@ -61,7 +61,8 @@ TEST(BuildKernels, LinkEachNodeToOneParentWithTwoChildren) {
   const std::size_t triangles = built.keys.size();
   EXPECT_EQ(built.links, 2 * (triangles - 1)) << "all triangles and nodes but the root";
   std::multiset<std::uint32_t> parents(built.parents.begin(), built.parents.end());
-  for (std::uint32_t split = 0; split + 1 < triangles; ++split) EXPECT_EQ(parents.count(split), 2U) << split;
+  for (std::uint32_t boundary = 0; boundary + 1 < triangles; ++boundary)
+    EXPECT_EQ(parents.count(boundary), 2U) << boundary;
 }
 
 TEST(BuildKernels, MoveTheBytesOfTheClosedForms) {
