@@ -91,11 +91,13 @@ KernelBuild::KernelBuild(const traces::MemoryImage& image, std::uint32_t space) 
   reserve(scatters * kCountsBytes);
   const std::uint64_t sorted = keys[kDigits % 2];
   // Each node and triangle but the root reads the keys on both sides of its range, and marks its parent as visited.
+  const BuildStream neighbours = reads(sorted, inner * kKeyBytes);
   add("link", {kKernelId<LinkNode>}, 2 * inner,
-      {reads(sorted, n * kKeyBytes), reads(sorted, 2 * inner * 2 * kKeyBytes),
+      {reads(sorted, n * kKeyBytes), neighbours, neighbours, neighbours, neighbours,
        writes(visited, 2 * inner * sizeof(CountRecord<float>))});
+  // Half of the children are triangles.
   add("fit", {kKernelId<FitNode>}, inner,
-      {reads(hierarchy, 2 * inner * kBoxBytes), writes(hierarchy, inner * kNodeBytes)});
+      {reads(leaves, inner * kBoxBytes), reads(hierarchy, inner * kBoxBytes), writes(hierarchy, inner * kNodeBytes)});
   add("encode_nodes", {kKernelId<EncodeNode>}, nodes,
       {reads(hierarchy, inner * kNodeBytes), {Region::kTree, true, 0, nodes * layout.node_bytes, false}});
   add("encode_leaves", {kKernelId<EncodeLeaf>}, n,

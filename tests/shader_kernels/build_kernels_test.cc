@@ -94,6 +94,10 @@ TEST(BuildKernels, FitTheirSpaceAndCoverAllItems) {
     std::uint64_t bytes = 0;
     for (const BuildStream& s : pass.streams) bytes += s.by_batch ? s.bytes : s.bytes * pass.batch / pass.items;
     EXPECT_LE(bytes, kSpace) << pass.name;
+    for (const BuildStream& s : pass.streams) {
+      const std::uint64_t end = s.base + s.bytes * (s.by_batch ? pass.entry_count() : 1);
+      EXPECT_LE(end, s.region == traces::Region::kTree ? plan.tree_bytes() : plan.scratch_bytes()) << pass.name;
+    }
     EXPECT_GE(std::uint64_t{pass.batch} * pass.entry_count(), pass.items) << pass.name;
   }
 }
