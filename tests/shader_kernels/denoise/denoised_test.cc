@@ -35,8 +35,8 @@ struct Sequence {
     const traces::MemoryImage image = traces::build_memory_image(scene);
     const traces::BvhTracer tracer(image);
     const RateMap rates(programs.multirate);
-    const auto program = make_program(parse_program(name), {image, scene.cameras.front(), render, programs, rates,
-                                                            frame++, 1, nullptr, history.get()});
+    const auto program = make_program(
+        parse_program(name), {image, scene.cameras.front(), render, programs, rates, frame++, 1, nullptr, history.get()});
     needs = program->requirements();
     tiles = program->pass_end(0);
     run_tiles(*program, tracer, record, see);

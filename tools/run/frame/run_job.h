@@ -116,7 +116,7 @@ struct SlicedFrame {
   void add(const SlicedFrame& other);
 };
 
-/// Statistics and estimates of a sequence of which some frames were simulated (docs/sequences.md).
+/// Statistics of a sequence, and totals estimated from its simulated frames (docs/sequences.md).
 struct RepresentedFrames {
   std::uint32_t frames = 0, simulated = 0, rounds = 0;
   std::uint32_t asked = 0;                   ///< requested number of clusters; 0: automatic
