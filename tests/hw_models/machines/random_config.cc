@@ -114,7 +114,13 @@ class Drawing {
                      change(*member, {sane ? near(limits, member->time) : number(limits, 3 * member->time)});
                    },
                    [&](sim::EnumTarget& member) {
+                     const std::size_t before = member.get();
                      member.set(below(member.names.size() - undrawn_names(field.path)));
+                     try {
+                       sim::check_tree(root_);
+                     } catch (const sim::InputError&) {
+                       member.set(before);
+                     }
                    },
                    [](auto&) {},
                },
