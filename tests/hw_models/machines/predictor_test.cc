@@ -72,9 +72,10 @@ TEST(PredictedFrames, HaveThePicturesOfOtherFrames) {
   }
 }
 
-TEST(PredictedFrames, LearnNothingBeforeTheLag) {
+TEST(PredictedFrames, LearnNothingBeforeTheLags) {
   traces::PredictorConfig late = kLearning;
   late.lag = 64;  // more than all tiles
+  late.ray_lag = 65536;
   const Method method(traces::open_scene("cornell"), "full:1", {}, with_occlusion(), {}, late);
   const Outcome outcome = play(method, machine(true));
   EXPECT_EQ(outcome.sum("predictor", "predicted"), 0U);

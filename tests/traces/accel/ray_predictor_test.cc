@@ -16,7 +16,7 @@
 namespace traces {
 namespace {
 
-constexpr PredictorConfig kEnabled{.enabled = true};
+constexpr PredictorConfig kEnabled{.enabled = true, .ray_lag = 65536};
 
 /// Shadow rays traced with look-ups, and what they record.
 struct PredictedRays {
@@ -26,9 +26,10 @@ struct PredictedRays {
 
   PredictedRays(const BvhTracer& tracer, const PredictorTable& table, const std::vector<Ray>& rays)
       : hits(rays.size()) {
-    const TilePredictions predictions{*tracer.ray_predictor(), table, updates};
+    TilePredictions predictions(*tracer.ray_predictor(), table);
     WalkSink sink{words, begin, &predictions};
     tracer.trace(rays, RayKind::kShadow, hits, &sink);
+    updates.assign(predictions.updates().begin(), predictions.updates().end());
   }
   std::uint32_t look_up(std::size_t ray) const { return words[begin[ray]]; }
   std::uint64_t count_correct() const {
@@ -129,6 +130,18 @@ TEST(RayPredictor, PredictsTheSecondOfIdenticalRays) {
   }
   EXPECT_GT(predicted, 50U);
   EXPECT_EQ(update, first.updates.size());
+}
+
+TEST(RayPredictor, PredictsTheRaysOfATileFromItsRayLagOn) {
+  const MemoryImage image = build_memory_image(triangle_soup(3000, 0.2F), {.leaf_size = 1}, 1);
+  std::vector<Hit> hits = trace(BvhTracer(image), random_rays(200), RayKind::kShadow);
+  const auto blocked = std::ranges::find_if(hits, &Hit::is_hit) - hits.begin();
+  const std::vector<Ray> same(10, random_rays(200)[static_cast<std::size_t>(blocked)]);
+  for (const std::uint32_t lag : {1U, 4U, 20U}) {
+    const BvhTracer tracer(image, {.enabled = true, .ray_lag = lag});
+    const PredictedRays rays(tracer, PredictorTable(kEnabled), same);
+    for (std::uint32_t i = 0; i < same.size(); ++i) EXPECT_EQ(is_correct_look_up(rays.look_up(i)), i >= lag) << i;
+  }
 }
 
 TEST(RayPredictor, AWrongPredictionIsFollowedByTheWholeWalk) {
