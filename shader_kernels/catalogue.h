@@ -6,13 +6,16 @@
 #include <vector>
 
 #include "shader_kernels/graph.h"
+#include "shader_kernels/kernels/build_tree.h"
 #include "shader_kernels/kernels/classify.h"
+#include "shader_kernels/kernels/denoise.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"
 #include "shader_kernels/kernels/fused.h"
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/layers.h"
 #include "shader_kernels/kernels/light.h"
+#include "shader_kernels/kernels/path.h"
 #include "shader_kernels/kernels/pixels.h"
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/record_hits.h"
@@ -66,6 +69,19 @@ using AllKernels = std::tuple<
     // Kernels for soft shadows, ambient occlusion and effects at only some pixels.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
+    // Kernels of the path program, and of rough reflections.
+    SeedPaths, KeepVisible, ClassifyLit, SampleLight<false>, SampleLight<true>, SampleLightRough<false>,
+    SampleLightRough<true>, ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>,
+    ScatterRough, AveragePaths, ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
+    ShadePhysical<MipFilter::kLinear, true>, ReflectRough, CastBounce, TakeBounce,
+    // Kernels that build trees.
+    BuildLeaf, SortHistogram, SortScan, SortScatter, LinkNode, FitNode, EncodeNode, EncodeLeaf,
+    // Kernels of the denoiser.
+    ClearGuides, RecordGuide, RecordMovingGuide, SplitLight<true>, SplitLight<false>, AccumulateHistory<true>,
+    AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,
+    FilterLight<true, TapSource::kTile>, FilterLight<true, TapSource::kMemory>, FilterLight<false, TapSource::kFirst>,
+    FilterLight<false, TapSource::kTile>, FilterLight<false, TapSource::kMemory>, ModulateAlbedo<true>,
+    ModulateAlbedo<false>,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

@@ -80,7 +80,8 @@ struct Table<float, R> {
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
 };
 
-/// A port that loads records through the data cache and appends its accesses to `log`, unless `log` is null.
+/// A port that loads records through the data cache and appends its accesses to `log`, unless `log` is null. Ports of
+/// kind kStored read an array of region kSamples; they are bound by bind_stored().
 template <template <class> class R, traces::Access::Kind kKind>
 struct Cached<float, R, kKind> {
   using Record = R<float>;
@@ -91,10 +92,22 @@ struct Cached<float, R, kKind> {
     base = static_cast<const std::byte*>(records);
     log = accesses;
   }
+  /// Binds the port to records of region kSamples that begin at 4-byte word `word`. `region` is the region's data.
+  void bind_stored(const std::uint32_t* region, std::uint64_t word, std::vector<traces::Access>* accesses) {
+    bind_raw(region + word, accesses);
+    first_word = static_cast<std::uint32_t>(word);
+  }
   R<float> load(std::uint32_t index) const {
-    if (log) log->push_back(traces::Access::of_kind(kKind, index));
+    if (log) log->push_back(traces::Access::of_kind(kKind, element_of(index)));
     return load_record<R>(base, index);
   }
+
+ private:
+  std::uint32_t element_of(std::uint32_t index) const {
+    if constexpr (kKind != traces::Access::Kind::kStored) return index;
+    return first_word + index * static_cast<std::uint32_t>(sizeof(R<float>) / traces::kStoredWordBytes);
+  }
+  std::uint32_t first_word = 0;
 };
 
 template <>
@@ -143,7 +156,8 @@ inline constexpr bool kListsAccesses = requires(Ports& p) {
 || requires(Ports& p) { p.objects; }
 || requires(Ports& p) { p.texels; }
 || requires(Ports& p) { p.vertices; }
-|| requires(Ports& p) { p.details; };
+|| requires(Ports& p) { p.details; }
+|| requires(Ports& p) { p.stored; };
 
 template <class V>
 using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>;
@@ -157,5 +171,7 @@ template <class V>
 using Vertices = Cached<V, VertexFields, traces::Access::Kind::kVertices>;
 template <class V>
 using Details = Cached<V, DetailFields, traces::Access::Kind::kDetail>;
+template <class V, template <class> class R>
+using Stored = Cached<V, R, traces::Access::Kind::kStored>;
 
 }  // namespace kernels

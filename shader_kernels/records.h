@@ -194,6 +194,68 @@ struct WordRecord {
   static void fields(auto& r, auto&& field) { field(NAMED(r.word)); }
 };
 
+// Records of the denoiser (kernels/denoise.h). Illumination is colour divided by albedo. Its fourth value is the ratio
+// of previous to current depth in the filter's input, and the variance of luminance in all later passes.
+
+/// Guide of a sample: what the denoiser compares of its first hit, and how that moved.
+template <class V>
+struct GuideRecord {
+  Vec3<V> normal;           ///< shading normal; 0 for a miss
+  F<V> depth;               ///< depth along the view, or kMissDepth
+  F<V> motion_x, motion_y;  ///< position of the hit in the previous picture minus that in this one, in pixels
+  F<V> depth_ratio;         ///< depth in the previous picture divided by `depth`
+  Vec3<V> albedo;
+  static void fields(auto& r, auto&& field) {
+    name_all(field, NAMED_ALL(r.normal, r.depth, r.motion_x, r.motion_y, r.depth_ratio, r.albedo));
+  }
+};
+
+/// Guide of a pixel. `normal`: three bytes, 128 + 127 times a coordinate; the highest byte is the length of the
+/// history.
+template <class V>
+struct GuideWords {
+  I<V> normal;
+  F<V> depth;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth)); }
+};
+
+template <class V>
+struct LightRecord {
+  Vec3<V> rgb;
+  F<V> fourth;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.rgb, r.fourth)); }
+};
+
+/// A LightRecord of four 16-bit floats, the first in the low half.
+template <class V>
+struct HalfLightRecord {
+  I<V> red_green, blue_fourth;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.red_green, r.blue_fourth)); }
+};
+
+/// Mean and standard deviation of a pixel's luminance over time.
+template <class V>
+struct MomentsRecord {
+  F<V> mean, deviation;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.mean, r.deviation)); }
+};
+
+/// A pixel's normal and depth in the tile buffer, unpacked for a filter. Coordinates of the normal are in bytes.
+template <class V>
+struct GuideTapRecord {
+  Vec3<V> normal;
+  F<V> depth;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth)); }
+};
+
+/// A corner of a triangle as it was in the previous frame; a triangle has three.
+template <class V>
+struct PastVertexRecord {
+  Vec3<V> position;
+  F<V> spare;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.position, r.spare)); }
+};
+
 // Scene records that kernels load: those of traces/accel/memory_image.h, and texture parameters in the SRP's own
 // memory. fields() names every member in memory order.
 

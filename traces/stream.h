@@ -15,9 +15,19 @@ using KernelId = std::uint16_t;
 /// One read from memory by a kernel, through the SRP's data cache. An Access names an object and an element instead of
 /// an address.
 struct Access {
-  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle, kInstance };
+  enum class Kind : std::uint32_t {
+    kAttributes,
+    kMaterial,
+    kTexels,
+    kVertices,
+    kDetail,
+    kTriangle,
+    kInstance,
+    kStored
+  };
   // What `element` is depends on the kind: a triangle (kAttributes, kVertices, kTriangle), a material (kMaterial,
-  // kDetail) or an instance (kInstance). kTexels reads a bilinear footprint of up to 2 x 2 texels, packed by texels().
+  // kDetail), an instance (kInstance) or a 4-byte word of region kSamples (kStored). kTexels reads a bilinear footprint
+  // of up to 2 x 2 texels, packed by texels().
   std::uint32_t object = 0;  ///< kind of access in the top 3 bits, texture index in the others
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< for kTexels, the opposite corner of the footprint
@@ -47,8 +57,13 @@ enum class Region : std::uint8_t {
   kPicture,  ///< finished pixels, one block per tile
   kSamples,  ///< attributes and colours of samples that other tiles read, or that do not fit the tile buffer
   kRates,    ///< sampling rates of tiles, kept from frame to frame
+  kBuild,    ///< arrays of kernels that build a tree
+  kTree,     ///< the scene's tree, from its first node on
   kCount
 };
+
+/// Size in bytes of the words that accesses of kind kStored name.
+inline constexpr std::uint32_t kStoredWordBytes = 4;
 
 /// Size in bytes of a pixel of the picture: three channels in a packed format.
 inline constexpr std::uint32_t kPixelBytes = 4;
@@ -61,6 +76,14 @@ struct RasterArraySizes {
   friend bool operator==(const RasterArraySizes&, const RasterArraySizes&) = default;
 };
 
+/// Sizes of the builder's arrays in memory: vertices and triangles of the trees that it builds, all of them together,
+/// and instances.
+struct BuildArraySizes {
+  std::uint32_t vertices = 0, triangles = 0, instances = 0;
+  std::uint64_t shadow_bytes = 0;  ///< size of a second copy of the tree, which is written while rays read the first
+  friend bool operator==(const BuildArraySizes&, const BuildArraySizes&) = default;
+};
+
 /// Memory that a machine must set aside for a frame.
 struct FrameRequirements {
   std::uint32_t tile_samples = 0;     ///< number of samples of a full tile
@@ -69,6 +92,7 @@ struct FrameRequirements {
   std::uint32_t pass_attribute_bytes = 0;  ///< `attribute_bytes` of later passes; 0: as in the first pass
   std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
   std::optional<RasterArraySizes> raster{};  ///< present if the frame needs a rasteriser
+  std::optional<BuildArraySizes> build{};    ///< present if a tree builder works for the frame
   friend bool operator==(const FrameRequirements&, const FrameRequirements&) = default;
 };
 
@@ -108,15 +132,36 @@ struct RasterWork {
   std::uint32_t pixel_samples = 1;  ///< for kRaster, the largest number of samples per pixel
 };
 
+/// Work of the tree builder: one tree over triangles or instances, to be built or refitted. Offsets are relative to the
+/// first node of the scene (Layout::nodes).
+struct BuildWork {
+  enum class Input : std::uint8_t { kTriangles, kInstances };
+  struct Range {
+    std::uint64_t offset = 0, bytes = 0;
+    friend bool operator==(const Range&, const Range&) = default;
+  };
+  Input input = Input::kTriangles;
+  bool refit = false;
+  std::uint32_t first = 0;        ///< the tree's first triangle in TileWork::build_triangles and build_order
+  std::uint32_t first_item = 0;   ///< number of the tree's first triangle or instance among those of the frame
+  std::array<Range, 3> output{};  ///< nodes, leaf records and labels of the finished tree
+  std::uint64_t comparisons = 0;  ///< comparisons of clusters by PLOC (bvh.builder: ploc)
+  friend bool operator==(const BuildWork&, const BuildWork&) = default;
+};
+
 /// A node of a tile's graph of work: a kernel launch, a batch of rays, a transfer between tile buffer and memory, the
-/// binning of triangles into the lists of screen regions, or the rasterisation of a wave's primary hits.
+/// binning of triangles into the lists of screen regions, the rasterisation of a wave's primary hits, or the building
+/// of a tree. The node of a tree is the only one of its entry in the tile list.
 struct WorkNode {
-  enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer, kBin, kRaster };
+  enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer, kBin, kRaster, kBuild };
   Kind kind = Kind::kLaunch;
   RayKind ray_kind = RayKind::kPrimary;  ///< for kRays: the kind of rays
   KernelId kernel = 0;                   ///< for kLaunch: the kernel that runs
-  std::uint32_t items = 0;    ///< number of work items, rays, bytes (kTransfer), triangles (kBin) or samples (kRaster)
-  std::uint32_t first = 0;    ///< kRays: its first ray in the tile; kLaunch with accesses: first index in access_begin
+  /// Number of work items, rays, bytes (kTransfer), triangles (kBin), samples (kRaster), triangles or instances
+  /// (kBuild).
+  std::uint32_t items = 0;
+  std::uint32_t first = 0;    ///< kRays: its first ray in the tile; kLaunch with accesses: first index in access_begin;
+                              ///< kBuild: index in TileWork::build
   bool has_accesses = false;  ///< for kLaunch: its items read memory through the data cache
   std::uint32_t idle = 0;     ///< for kLaunch: number of inactive iterations after the last item
   Region region = Region::kPicture;  ///< for kTransfer: the part of memory that it accesses
@@ -133,6 +178,9 @@ struct WorkNode {
 
 /// The work of one tile of one frame: a graph in topological order (edges point to lower indices).
 struct TileWork {
+  /// True if the entry is work of the tree builder.
+  bool is_build() const { return !nodes.empty() && nodes.front().kind == WorkNode::Kind::kBuild; }
+
   std::uint32_t frame = 0;
   std::uint32_t tile = 0;
   std::uint32_t samples = 0;
@@ -141,12 +189,16 @@ struct TileWork {
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
+  std::vector<std::uint32_t> ray_keys;      ///< sort key of each ray (ray_key.h); empty in work read from a trace
   std::vector<Access> accesses;             ///< memory accesses of all launches with has_accesses, in item order
   std::vector<std::uint32_t> access_begin;  ///< index of the first access of each item with accesses; then the end
   std::vector<std::uint32_t> sources;       ///< source items (WorkNode::sources); non-decreasing within a node
   std::vector<RasterWork> raster;           ///< data of rasteriser nodes, in node order, like the next two vectors
   std::vector<RasterTriangle> raster_triangles;
   std::vector<ListRun> list_runs;
+  std::vector<BuildWork> build;  ///< data of kBuild nodes, in node order, like the next two vectors
+  std::vector<std::array<std::uint32_t, 3>> build_triangles;  ///< vertex numbers of each triangle, in input order
+  std::vector<std::uint32_t> build_order;                     ///< input numbers of a tree's triangles, in leaf order
 };
 
 }  // namespace traces

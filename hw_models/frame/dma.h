@@ -44,7 +44,8 @@ class Dma {
       counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
       counter(NAMED(s.lines_read), "lines read from memory", "dma.line");
       counter(NAMED(s.pixels_encoded), "pixels sRGB-encoded on their way to memory", "dma.srgb_encode");
-      auto& [picture, samples, rates, spill] = s.lines;
+      // Lines for building trees have no counters: they are the rest of all lines.
+      [[maybe_unused]] auto& [picture, samples, rates, build, tree, spill] = s.lines;
       counter(picture.written, "picture_lines_written", "of these, finished pixels");
       counter(picture.read, "picture_lines_read", "of these, finished pixels");
       counter(samples.written, "samples_lines_written", "of these, attributes and colours of samples");

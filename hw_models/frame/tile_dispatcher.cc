@@ -32,9 +32,12 @@ sim::Time TileDispatcher::tick(sim::Time now) {
 
   const sim::Time next = clock_.edge_after(now, 1);
   sim::Time at = sim::kNever;
+  if (links_.from_builder != nullptr) at = std::max(next, links_.from_builder->pop_at());
+  const bool builds = next_ != nullptr && !waits && next_->is_build();
+  if (builds) at = std::min(at, std::max(next, links_.to_builder->push_at()));
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
-    if (next_ != nullptr && !waits && has_room(core)) {
+    if (next_ != nullptr && !waits && !builds && has_room(core)) {
       at = std::min(at, std::max({next, links_.to_core[core]->push_at(), start_at_[core]}));
     }
   }
@@ -44,7 +47,10 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   return at;
 }
 
-bool TileDispatcher::next_tile_must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
+bool TileDispatcher::next_tile_must_wait() const {
+  const std::uint64_t not_awaited = links_.builds_overlap ? builds_in_flight_ : 0;
+  return next_->after_all && stats_.finished + not_awaited < stats_.dispatched;
+}
 
 bool TileDispatcher::has_room(std::size_t core) const {
   const bool later = is_later_pass_ || (next_->after_all && has_samples_);
@@ -52,32 +58,48 @@ bool TileDispatcher::has_room(std::size_t core) const {
 }
 
 bool TileDispatcher::dispatch_tile(sim::Time now) {
+  if (next_->is_build()) return dispatch_build(now);
   const std::size_t cores = in_flight_.size();
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
     if (!has_room(core) || now < start_at_[core] || !links_.to_core[core]->can_push(now)) continue;
-    const auto tag = static_cast<TileTag>(stats_.dispatched & kTileTagMask);
-    if (links_.observer != nullptr)
-      notify(*links_.observer, TileDispatched{tag, static_cast<std::uint32_t>(core), now});
-    const TileJob job{next_, missing_borders(*next_), tag};
-    links_.to_core[core]->push(now, job);
-    if (job.missing != 0) {
-      importers_.push_back({core, job});
-      stats_.early += 1;
-    }
     is_later_pass_ |= next_->after_all && has_samples_;
     has_samples_ |= next_->samples != 0;
     in_flight_[core] += 1;
-    stats_.dispatched += 1;
     turn_ = (core + 1) % cores;
-    source_.note_dispatched(now);
-    next_ = source_.next();
+    send_next(now, core, *links_.to_core[core]);
     return true;
   }
   return false;
 }
 
+bool TileDispatcher::dispatch_build(sim::Time now) {
+  if (!links_.to_builder->can_push(now)) return false;
+  builds_in_flight_ += 1;
+  constexpr std::size_t kCore = 0;  // the builder is beside core 0, whose port it uses
+  send_next(now, kCore, *links_.to_builder);
+  return true;
+}
+
+void TileDispatcher::send_next(sim::Time now, std::size_t core, sim::Link<TileJob>& link) {
+  const auto tag = static_cast<TileTag>(stats_.dispatched & kTileTagMask);
+  if (links_.observer != nullptr) notify(*links_.observer, TileDispatched{tag, static_cast<std::uint32_t>(core), now});
+  const TileJob job{next_, missing_borders(*next_), tag};
+  link.push(now, job);
+  if (job.missing != 0) {
+    importers_.push_back({core, job});
+    stats_.early += 1;
+  }
+  stats_.dispatched += 1;
+  source_.note_dispatched(now);
+  next_ = source_.next();
+}
+
 void TileDispatcher::collect_messages(sim::Time now) {
+  if (links_.from_builder != nullptr && links_.from_builder->can_pop(now)) {
+    builds_in_flight_ -= 1;
+    note_finished(now, links_.from_builder->pop(now));
+  }
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     if (!links_.from_core[core]->can_pop(now)) continue;
     const TileDone done = links_.from_core[core]->pop(now);
@@ -86,13 +108,17 @@ void TileDispatcher::collect_messages(sim::Time now) {
       stats_.borders += 1;
       continue;
     }
-    note_borders_written(done.work->tile,
-                         (1U << traces::kMostBorders) - 1);  // a finished tile writes no more borders
-    if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.tile, now});
-    source_.release_work(done.work);
     in_flight_[core] -= 1;
-    stats_.finished += 1;
+    note_finished(now, done);
   }
+}
+
+void TileDispatcher::note_finished(sim::Time now, const TileDone& done) {
+  note_borders_written(done.work->tile,
+                       (1U << traces::kMostBorders) - 1);  // a finished tile writes no more borders
+  if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.tile, now});
+  source_.release_work(done.work);
+  stats_.finished += 1;
 }
 
 void TileDispatcher::note_borders_written(std::uint32_t tile, std::uint32_t borders) {

@@ -36,7 +36,9 @@ class TileSource {
 /// borders wait, until the dispatcher sends the core an update.
 /// 3. A tile marked `after_all` (TileWork) waits until all tiles before it are finished. It begins a later pass, in
 /// which a core may have more tiles at once.
-/// 4. There is no deadlock. Borders belong to earlier tiles, which are dispatched first. So the oldest tile imports
+/// 4. Work of the tree builder goes to the builder, in list order. If trees are built while rays read others, a tile
+/// marked `after_all` does not wait for them.
+/// 5. There is no deadlock. Borders belong to earlier tiles, which are dispatched first. So the oldest tile imports
 /// only borders of finished tiles (docs/design/machine.md).
 class TileDispatcher {
  public:
@@ -61,6 +63,10 @@ class TileDispatcher {
   struct Links {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
+    /// Links to and from the tree builder; null if there is none.
+    sim::Link<TileJob>* to_builder = nullptr;
+    sim::Link<TileDone>* from_builder = nullptr;
+    bool builds_overlap = false;  ///< tiles do not wait for the tree builder
     /// Links to the L2 banks for the Flush message after the last tile; may be empty.
     std::vector<sim::Link<Flush>*> to_l2;
     Observer* observer = nullptr;
@@ -98,6 +104,10 @@ class TileDispatcher {
   };
 
   bool dispatch_tile(sim::Time now);
+  bool dispatch_build(sim::Time now);
+  /// Sends the next entry of the tile list to a core or, with the number of cores, to the tree builder.
+  void send_next(sim::Time now, std::size_t core, sim::Link<TileJob>& link);
+  void note_finished(sim::Time now, const TileDone& done);
   /// True if the next tile must wait for all earlier tiles (`after_all`) and some of them are unfinished.
   bool next_tile_must_wait() const;
   bool has_room(std::size_t core) const;
@@ -113,6 +123,7 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
+  std::uint32_t builds_in_flight_ = 0;
   std::vector<sim::Time> start_at_;    ///< earliest time at which each core may get its first tile
   std::vector<std::uint8_t> written_;  ///< mask of each tile's borders that are in memory, by tile number
   std::vector<Importer> importers_;    ///< dispatched tiles that import borders not yet in memory, in dispatch order

@@ -19,10 +19,11 @@ inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
 }
 
 /// Calls node(ray, line), triangle(ray, line) or data(line) for every cache line that a tile reads: first for the
-/// tile's rays, then for its kernels. A simulated machine reads the lines in another order.
+/// tile's rays, then for its kernels. A simulated machine reads the lines in another order. `stored`: address of region
+/// kSamples.
 template <class Node, class Triangle, class Data>
-void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
-                           Data&& data) {
+void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& layout, Addr stored, Node&& node,
+                           Triangle&& triangle, Data&& data) {
   const TreeInMemory tree = tree_from_layout(layout);
   const bool node_is_line = tree.has_one_line_per_node();
   for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
@@ -55,7 +56,7 @@ void for_each_line_of_tile(const traces::TileWork& work, const traces::Layout& l
     }
   }
   for (const traces::Access& access : work.accesses) {
-    const LineSet lines = lines_of_access(access, layout);
+    const LineSet lines = lines_of_access(access, layout, stored);
     for (std::uint32_t i = 0; i < lines.count; ++i) data(lines.line[i]);
   }
 }

@@ -55,6 +55,10 @@ std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu
   Addr next =
       round_up_to_lines(workload.image.layout.frame_buffer + parent_table_bytes(workload.image, config.tni.trv.stack));
   for (std::size_t region = 0; region < kRegions; ++region) {
+    if (region == static_cast<std::size_t>(traces::Region::kTree)) {
+      areas[region] = workload.image.layout.nodes;  // not set aside: the tree is part of the scene
+      continue;
+    }
     areas[region] = next;
     next = round_up_to_lines(next + workload.needs.region_bytes[region]);
   }
@@ -75,14 +79,23 @@ RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& work
   return {round_up_to_lines(record_memory_of_core(config, workload, config.cores)), *workload.needs.raster};
 }
 
+/// Returns the addresses of the tree builder's arrays, which follow all others.
+BuildMemory build_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
+  const Addr base = workload.needs.raster ? raster_memory_of(config, workload).end
+                                          : round_up_to_lines(record_memory_of_core(config, workload, config.cores));
+  return {base, workload.image.layout.nodes, *workload.needs.build, config.tree_builder.record_bytes};
+}
+
 }  // namespace
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation)
     : config_(config),
       layout_(workload.image.layout),
+      stored_samples_(memory_areas_of_core(config, workload, 0)[static_cast<std::size_t>(Area::kSamples)]),
       tni_clock_(config.clocks.tni.clock()),
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
+      tree_bytes_(workload.needs.region_bytes[static_cast<std::size_t>(traces::Region::kTree)]),
       in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
       scheduled_(workload.scheduled ? workload.scheduled
                                     : std::make_shared<const ScheduledKernels>(schedule_kernels(config))),
@@ -98,8 +111,15 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
-  // The L2 receives writes only of rays and hits without a direct interface, and of a rasteriser's geometry pass.
-  const bool writes = !config.direct_interface.enabled || workload.needs.raster;
+  if (workload.needs.build) {
+    builder_wires_.emplace(link_builder());
+    links.to_builder = &builder_wires_->jobs;
+    links.from_builder = &builder_wires_->done;
+    links.builds_overlap = workload.needs.build->shadow_bytes != 0;
+  }
+  // The L2 receives writes only of rays and hits without a direct interface, of a rasteriser's geometry pass, and of
+  // the tree builder.
+  const bool writes = !config.direct_interface.enabled || workload.needs.raster || workload.needs.build;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.create_flush_links(dispatcher_id_);
   for (sim::Link<Flush>* end : memory_.add_background_sources(dispatcher_id_)) links.to_l2.push_back(end);
@@ -120,6 +140,24 @@ Gpu::Core& Gpu::declare_core(std::uint32_t core_number, const TreeKind& tree) {
   return cores_.emplace_back(
       Core{srp, std::move(tni), machine_.link<TileJob>(in_flight, 1, dispatcher_id_, srp, known),
            machine_.link<TileDone>(TileDispatcher::max_messages(in_flight + 1), 1, srp, dispatcher_id_, known)});
+}
+
+Gpu::BuilderWires Gpu::link_builder() {
+  const TreeBuilderConfig& config = config_.tree_builder;
+  constexpr std::uint32_t kPartition = 1;  // that of core 0
+  const sim::UnitId unit =
+      machine_.unit({TreeBuilder::kName, tni_clock_, kPartition, config.sram_bytes(), config.buffer.size.bytes,
+                     config.parts()});
+  const auto known = sim::Lookahead::kByOwner;
+  return {unit, machine_.link<TileJob>(TreeBuilder::kJobs, 1, dispatcher_id_, unit, known),
+          machine_.link<TileDone>(2, 1, unit, dispatcher_id_, known)};
+}
+
+void Gpu::build_tree_builder(const Workload& workload, const MemoryPort& memory) {
+  builder_ = &machine_.build<TreeBuilder>(
+      builder_wires_->unit, config_.tree_builder, build_memory_of(config_, workload),
+      TreeBuilder::Links{builder_wires_->jobs, builder_wires_->done, memory.requests, memory.responses}, memory.client,
+      tni_clock_, config_.ideal.l1);
 }
 
 Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId memory_interface) {
@@ -180,6 +218,11 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
 
   std::optional<RasterWires> raster;
   if (workload.needs.raster) raster.emplace(link_rasteriser(core, core_number));
+  std::optional<MemoryPort> builder;
+  if (builder_wires_ && core_number == 0) {
+    builder.emplace(
+        memory_.add_cache_client(0, {builder_wires_->unit, config_.tree_builder.buffer.mshrs, RequesterKind::kBuild}));
+  }
   core.srp = &machine_.build<Srp>(
       core.srp_id, config_.srp, config_.tile_buffer, srp_frame_of(workload, core_number),
       Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp, data.requests, data.responses,
@@ -198,6 +241,7 @@ void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
   }
+  if (builder) build_tree_builder(workload, *builder);
   std::vector<MemoryPort> records;  // memory ports for the rays and for the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
@@ -228,6 +272,7 @@ sim::RunLimits Gpu::run_limits(sim::Time now) const {
 sim::Time Gpu::earliest_end_of_last_tile(sim::Time now) const {
   sim::Time at = now + cores_.front().tiles_out.latency();
   for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());
+  if (builder_wires_) at = std::min(at, builder_wires_->done.pop_at());
   return at;
 }
 
@@ -256,7 +301,7 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
     if (config_.slc.is_present()) memory_.system_cache_slices()[channels.index_of(line)]->warm_line(line);
   };
   for_each_line_of_tile(
-      work, layout_,
+      work, layout_, stored_samples_,
       [&](std::uint32_t ray, Addr line) {
         if (!trvs[ray % trvs.size()]->warm_line(line)) second_level(line);
       },
@@ -267,6 +312,22 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
         if (!c.srp->warm_line(line)) second_level(line);
       });
   return filled;
+}
+
+void Gpu::invalidate_first_level() {
+  if (tree_bytes_ == 0 && builder_ == nullptr) return;
+  std::uint64_t lines = 0;
+  for (const Core& core : cores_) {
+    for (Trv* trv : core.tni.trvs()) lines += trv->clear_l1();
+    for (Ist* ist : core.tni.ists()) lines += ist->clear_l1();
+    lines += core.srp->clear_cache();
+  }
+  if (builder_ != nullptr) builder_->count_invalidated_lines(lines);
+  // DMA engines write the trees of kernels to memory, around the L2.
+  const Interleave banks = config_.l2.bank_interleave();
+  for (Addr line = layout_.nodes; line < layout_.nodes + tree_bytes_; line += kLineBytes) {
+    memory_.l2_banks()[banks.index_of(line)]->drop_line(line);
+  }
 }
 
 CacheContents Gpu::cache_contents() const {

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "hw_models/build/tree_builder.h"
 #include "hw_models/dram/dram_config.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
@@ -56,7 +58,8 @@ struct CacheContents {
 ///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
 ///
 /// 1. If the frame needs rasterisers, each core has one, which is another client of the core's port.
-/// 2. Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
+/// 2. If the frame has trees to build, there is one tree builder, a client of core 0's port.
+/// 3. Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
 class Gpu {
  public:
   /// Properties of a frame that a GPU needs in addition to the tiles.
@@ -116,6 +119,10 @@ class Gpu {
   CacheContents cache_contents() const;
   /// Replaces the contents of all caches by those of a GPU with equal caches. Call before the first cycle.
   void set_cache_contents(const CacheContents& contents);
+  /// Empties all first-level caches if the frame has trees to build, because they may hold lines of the old trees. If
+  /// kernels build the tree, its lines are also removed from the L2. No ray is traced before the tree is complete, so
+  /// the lines may be removed before the first cycle.
+  void invalidate_first_level();
 
  private:
   struct Core {
@@ -142,6 +149,15 @@ class Gpu {
     MemoryPort memory;
   };
 
+  /// Links of the tree builder to the tile dispatcher and to memory.
+  struct BuilderWires {
+    sim::UnitId unit;
+    sim::Link<TileJob>& jobs;
+    sim::Link<TileDone>& done;
+  };
+
+  BuilderWires link_builder();
+  void build_tree_builder(const Workload& workload, const MemoryPort& memory);
   Core& declare_core(std::uint32_t core_number, const TreeKind& tree);
   Interface link_interface(const Core& core, sim::UnitId memory_interface);
   RasterWires link_rasteriser(const Core& core, std::uint32_t core_number);
@@ -151,7 +167,9 @@ class Gpu {
 
   const GpuConfig config_;
   const traces::Layout& layout_;
+  const Addr stored_samples_;  ///< address of region kSamples
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
+  const Addr tree_bytes_;  ///< bytes of the tree that kernels write; 0: none
   const TilesInFlight in_flight_;
   const std::shared_ptr<const ScheduledKernels> scheduled_;
   sim::Time livelock_timeout_ = sim::kNever;
@@ -160,6 +178,8 @@ class Gpu {
   MemorySystem memory_;
   const sim::UnitId dispatcher_id_;
   std::deque<Core> cores_;
+  std::optional<BuilderWires> builder_wires_;  ///< present if the frame has trees to build
+  TreeBuilder* builder_ = nullptr;
   TileDispatcher* dispatcher_ = nullptr;
   sim::Time elapsed_ = 0;
   bool stopped_ = false;

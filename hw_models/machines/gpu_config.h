@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "hw_models/build/tree_builder_config.h"
 #include "hw_models/dram/dram_config.h"
 #include "hw_models/frame/direct_interface_config.h"
 #include "hw_models/memory/background_source.h"
@@ -94,6 +95,7 @@ struct GpuConfig {
   SrpConfig srp;
   TileBufferConfig tile_buffer;
   RasterUnitConfig raster;
+  TreeBuilderConfig tree_builder;
   DmaConfig dma;
   L2Config l2;
   InterconnectConfig interconnect;
@@ -111,6 +113,8 @@ struct GpuConfig {
     field.group(NAMED(c.srp), "shader core, one per core");
     field.group(NAMED(c.tile_buffer), "on-chip memory for the tiles in flight, one per core");
     field.group(NAMED(c.raster), "rasteriser, one per core, if the frame has work for it (render.primary)");
+    field.group(NAMED(c.tree_builder),
+                "unit that builds and refits trees, if the frame has work for it (build.engine)");
     field.group(NAMED(c.dma), "block transfers between tile buffer and memory, one per core");
     field.group(NAMED(c.l2), "second-level cache, shared");
     field.group(NAMED(c.interconnect), "between cores, L2 and memory");
@@ -132,6 +136,7 @@ struct GpuConfig {
     line("tni.ist.l1.line", tni.ist.l1.line);
     line("srp.data_cache.line", srp.data_cache.line);
     line("raster.l1.line", raster.l1.line);
+    line("tree_builder.buffer.line", tree_builder.buffer.line);
     line("l2.line", l2.cache.line);
     line("dram.line", dram.line);
     if (slc.is_present()) {

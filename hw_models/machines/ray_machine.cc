@@ -11,10 +11,11 @@
 namespace hw {
 
 CoreRays::CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer,
-                   std::uint32_t core, std::uint32_t cores, BlockCallback finished)
+                   const traces::RayKeyGrid& keys, std::uint32_t core, std::uint32_t cores, BlockCallback finished)
     : rays_(rays),
       kind_(kind),
       tracer_(tracer),
+      keys_(keys),
       core_(core),
       cores_(cores),
       finished_(std::move(finished)),
@@ -51,6 +52,10 @@ const std::uint32_t* CoreRays::ray_walk(std::uint32_t ray) {
   return block.words.data() + block.begin[ray % kBlock];
 }
 
+std::uint32_t CoreRays::ray_key(std::uint32_t ray) const {
+  return keys_.key_of(rays_of_block(ray / kBlock)[ray % kBlock]);
+}
+
 void CoreRays::record_return_time(std::uint32_t ray, sim::Time now) {
   blocks_[ray / kBlock - first_].left -= 1;
   for (; !blocks_.empty() && blocks_.front().left == 0; ++first_) {
@@ -83,7 +88,8 @@ void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std
     done_.cycles = clock_.cycles(now);
     return watch_(done_);
   };
-  Core& core = cores_.emplace_back(Core{CoreRays(rays, kind, tracer_, c, config_.cores, finished)});
+  Core& core =
+      cores_.emplace_back(Core{CoreRays(rays, kind, tracer_, {image.lower, image.upper}, c, config_.cores, finished)});
   const sim::UnitId source = machine_.unit({unit_name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_, tree_kind(image));

@@ -14,13 +14,14 @@
 #include "sim/unit_report.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"
+#include "traces/ray_key.h"
 
 namespace hw {
 
 /// Replaces the shader core: sends a ray to the T&I unit every `interval` cycles if the link has room, and accepts each
 /// hit at once.
 ///
-/// `Rays` provides numbered rays through `ray_count()` and `ray_walk(ray)`. For each finished ray,
+/// `Rays` provides numbered rays through `ray_count()`, `ray_walk(ray)` and `ray_key(ray)`. For each finished ray,
 /// `Rays::record_return_time(ray, now)` is called.
 template <class Rays>
 class RaySource {
@@ -36,7 +37,7 @@ class RaySource {
       returned_ += 1;
     }
     if (sent_ < rays_.ray_count() && now >= send_at_ && out_.can_push(now)) {
-      out_.push(now, {rays_.ray_walk(sent_), sent_});
+      out_.push(now, {rays_.ray_walk(sent_), sent_, kNoTile, rays_.ray_key(sent_)});
       sent_ += 1;
       send_at_ = clock_.edge_after(now, interval_);
     }
@@ -79,11 +80,13 @@ class CoreRays {
   /// starts no further block.
   using BlockCallback = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
-  CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer, std::uint32_t core,
-           std::uint32_t core_count, BlockCallback finished);
+  /// `keys`: computes the rays' sort keys.
+  CoreRays(std::span<const traces::Ray> rays, traces::RayKind kind, const traces::Tracer& tracer,
+           const traces::RayKeyGrid& keys, std::uint32_t core, std::uint32_t core_count, BlockCallback finished);
 
   std::uint32_t ray_count() const { return count_; }
   const std::uint32_t* ray_walk(std::uint32_t ray);
+  std::uint32_t ray_key(std::uint32_t ray) const;
   void record_return_time(std::uint32_t ray, sim::Time now);
   std::uint64_t hit_count() const { return hits_; }
   std::uint64_t step_count() const { return steps_; }
@@ -99,6 +102,7 @@ class CoreRays {
   const std::span<const traces::Ray> rays_;
   const traces::RayKind kind_;
   const traces::Tracer& tracer_;
+  const traces::RayKeyGrid keys_;
   const std::uint32_t core_, cores_;
   const BlockCallback finished_;
   std::uint32_t count_ = 0;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "hw_models/build/tree_builder.h"
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
@@ -29,7 +30,7 @@ struct UnitKind {
 };
 
 /// All kinds of units, starting with memory: each kind precedes the kinds that wait for it.
-inline constexpr std::array<UnitKind, 16> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+inline constexpr std::array<UnitKind, 17> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {BackgroundSource::kName, BackgroundSource::kReasons},
                                                          {SystemCacheSlice::kName, SystemCacheSlice::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},
@@ -42,6 +43,7 @@ inline constexpr std::array<UnitKind, 16> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {RayDispatcher::kName, RayDispatcher::kReasons},
                                                          {PredictorStage::kName, PredictorStage::kReasons},
                                                          {RasterUnit::kName, RasterUnit::kReasons},
+                                                         {TreeBuilder::kName, TreeBuilder::kReasons},
                                                          {TileBuffer::kName, TileBuffer::kReasons},
                                                          {Srp::kName, Srp::kReasons},
                                                          {TileDispatcher::kName, TileDispatcher::kReasons}}};

@@ -99,6 +99,16 @@ class CacheTags {
     tags_of(slot / stride_)[slot % stride_] = kInvalid;
     use_times_of(slot / stride_)[slot % stride_] = 0;
   }
+  /// Removes all lines from the cache. Returns their number.
+  std::size_t clear() {
+    std::size_t lines = 0;
+    for (std::size_t slot = 0; slot < slot_count(); ++slot) {
+      if (slot % stride_ >= ways_ || tags_of(slot / stride_)[slot % stride_] == kInvalid) continue;
+      clear_slot(slot);
+      lines += 1;
+    }
+    return lines;
+  }
   /// Returns the address of the line in a slot, which must not be empty.
   Addr line_at(std::size_t slot) const { return Addr{tags_of(slot / stride_)[slot % stride_]} << line_shift_; }
 
@@ -264,15 +274,26 @@ class L1Cache {
   struct Miss {
     std::uint64_t slots = 0;         ///< mask of the owning unit's slots that wait for the line
     std::uint64_t requested_at = 0;  ///< cycle of the miss, on the clock of the owning unit
+    bool only_prefetched = false;    ///< the line was prefetched, and no slot has needed it yet
+  };
+
+  /// What became of prefetched lines, counted after count_prefetches().
+  struct PrefetchCounts {
+    std::uint64_t useful = 0;   ///< lines read after they arrived
+    std::uint64_t late = 0;     ///< lines needed before they arrived
+    std::uint64_t useless = 0;  ///< lines evicted before they were needed
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
       : tags_(config), misses_(config.mshrs), source_(source), ideal_(ideal) {}
 
   Result access_line(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
+    if (!prefetched_.empty()) note_use(line);
     if (ideal_ || tags_.probe(line)) return Result::kHit;
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (Miss* miss = misses_.find_payload(line)) {
+      prefetch_counts_.late += miss->only_prefetched;
+      miss->only_prefetched = false;
       miss->slots |= bit;
       return Result::kMiss;
     }
@@ -288,9 +309,13 @@ class L1Cache {
   /// the line. Returns false if the line is cached or already requested. Requires a free MSHR.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (has_line(line) || find_miss(line) != nullptr) return false;
-    request_line(line, {0, cycle}, slot_tiles_[slot]);
+    request_line(line, {0, cycle, true}, slot_tiles_[slot]);
     return true;
   }
+  /// Makes the first-level cache count what becomes of prefetched lines, by a bit for each of its lines. The unit must
+  /// then read all lines through access_line().
+  void count_prefetches() { prefetched_.assign(tags_.slot_count(), 0); }
+  const PrefetchCounts& prefetch_counts() const { return prefetch_counts_; }
 
   /// Attributes later memory requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
@@ -299,8 +324,13 @@ class L1Cache {
   /// Fills a line into the first-level cache and frees its MSHR. Returns the completed miss: the slots that waited for
   /// the line, and the cycle of the miss.
   Miss fill_line(Addr line) {
-    tags_.fill_line(line);
-    return misses_.release(line);
+    const CacheTags::FilledLine filled = tags_.fill_line(line);
+    const Miss miss = misses_.release(line);
+    if (!prefetched_.empty()) [[unlikely]] {
+      prefetch_counts_.useless += prefetched_[filled.slot];
+      prefetched_[filled.slot] = miss.only_prefetched;
+    }
+    return miss;
   }
 
   /// Puts a line into the first-level cache without taking simulated time (Gpu::warm_caches). Returns true if the line
@@ -313,7 +343,13 @@ class L1Cache {
 
   const CacheTags& tags() const { return tags_; }
   /// Replaces the tag array, and so the lines, of the first-level cache. No miss may be outstanding.
-  void set_tags(const CacheTags& tags) { tags_ = tags; }
+  void set_tags(const CacheTags& tags) {
+    tags_ = tags;
+    std::ranges::fill(prefetched_, 0);
+  }
+
+  /// Removes all lines from the first-level cache and returns their number. Outstanding misses continue.
+  std::size_t clear() { return tags_.clear(); }
 
   /// True if the line is cached. The line is not marked as used.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
@@ -321,6 +357,9 @@ class L1Cache {
   void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
   /// Returns the outstanding miss of a cache line, or null if the line is not requested.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
+
+  /// Adds slots to those that wait for an outstanding line.
+  void add_waiting_slots(Addr line, std::uint64_t slot_mask) { misses_.find_payload(line)->slots |= slot_mask; }
 
   /// Returns the number of misses of the first-level cache whose memory requests have not been sent yet.
   std::size_t unsent_requests() const { return unsent_.size(); }
@@ -352,6 +391,13 @@ class L1Cache {
     all.fill(kNoTile);
     return all;
   }
+  /// Counts the first use of a cached line that was prefetched.
+  void note_use(Addr line) {
+    const std::size_t slot = tags_.look_up(line);
+    if (slot == CacheTags::kNoSlot) return;
+    prefetch_counts_.useful += prefetched_[slot];
+    prefetched_[slot] = 0;
+  }
   void request_line(Addr line, Miss miss, TileTag tile) {
     misses_.allocate(line) = miss;
     unsent_.push_back({line, tile});
@@ -363,6 +409,9 @@ class L1Cache {
   std::array<TileTag, 64> slot_tiles_ = no_tiles();
   std::uint16_t source_;
   bool ideal_;
+  std::vector<std::uint8_t> prefetched_;  ///< for each slot of the tags, 1 if its line was prefetched and not used yet;
+                                          ///< empty: prefetches are not counted
+  PrefetchCounts prefetch_counts_;
 };
 
 }  // namespace hw

@@ -195,6 +195,10 @@ class L2Bank {
     store_.allocate(line, kWholeLine, 0);
     return false;
   }
+  /// Removes a line from the L2 bank, if it is cached. Must be called before the first cycle.
+  void drop_line(Addr line) {
+    if (store_.look_up(line, 0) != L2Store::LookupResult::kNot) store_.invalidate_line(line);
+  }
   const L2Store& store() const { return store_; }
   /// Replaces the lines in the L2 bank. Must be called before the first cycle.
   void set_store(const L2Store& store) { store_ = store; }

@@ -36,8 +36,8 @@ constexpr std::uint32_t tile_number_of_tag(TileTag tag, std::uint32_t other_tile
   return ahead <= kTileTagMask / 2 ? other_tile_in_flight + ahead : other_tile_in_flight + ahead - (kTileTagMask + 1);
 }
 
-/// Areas of memory that only the DMA engines access: the frame's regions, and space for spilled rays.
-enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
+/// Areas of memory that the DMA engines access: the frame's regions, and space for spilled rays.
+enum class Area : std::uint8_t { kPicture, kSamples, kRates, kBuild, kTree, kSpill, kCount };
 
 /// A request to memory or the L2 to read or write one cache line, or some sectors of a line.
 struct MemRequest {

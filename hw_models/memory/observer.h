@@ -21,11 +21,12 @@ enum class RequesterKind : std::uint8_t {
   kTransfers,  ///< DMA engines
   kRecords,    ///< memory interfaces, which carry rays and hits through memory
   kRaster,     ///< rasterisers
+  kBuild,      ///< the tree builder
   kCount
 };
 inline constexpr std::size_t kRequesterKinds = static_cast<std::size_t>(RequesterKind::kCount);
 constexpr std::array<std::string_view, kRequesterKinds> names_of(RequesterKind) {
-  return {"nodes", "triangles", "shading", "transfers", "records", "raster"};
+  return {"nodes", "triangles", "shading", "transfers", "records", "raster", "build"};
 }
 
 // Events of a simulated machine. `tile`: the tile that caused the event; kNoTile if there is none.

@@ -10,9 +10,9 @@ namespace hw {
 
 /// Blocks of the GPU for which energy and area are summed. Each class of unit declares its block as kBlock. `kOutside`
 /// is not on the GPU's die and has neither energy nor area.
-enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster, kOutside };
-constexpr std::array<std::string_view, 9> names_of(Block) {
-  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster", sim::kOutsideBlock};
+enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster, kBuild, kOutside };
+constexpr std::array<std::string_view, 10> names_of(Block) {
+  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster", "build", sim::kOutsideBlock};
 }
 
 /// Returns the name of a unit of a core: ("core.tni.trv", 1) -> "core1.tni.trv".

@@ -21,7 +21,8 @@ struct LineSet {
   }
 };
 
-inline LineSet lines_of_access(const traces::Access& access, const traces::Layout& layout) {
+/// Returns the lines of an access. `stored`: address of region kSamples.
+inline LineSet lines_of_access(const traces::Access& access, const traces::Layout& layout, Addr stored = 0) {
   LineSet lines;
   switch (access.kind()) {
     case traces::Access::Kind::kAttributes:
@@ -46,6 +47,9 @@ inline LineSet lines_of_access(const traces::Access& access, const traces::Layou
       break;
     case traces::Access::Kind::kInstance:
       lines.add_line_of(layout.instance_at(access.element));
+      break;
+    case traces::Access::Kind::kStored:  // records are aligned to their size, so that each is in one line
+      lines.add_line_of(stored + Addr{access.element} * traces::kStoredWordBytes);
       break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};

@@ -330,7 +330,8 @@ void Srp::collect_lines(std::uint32_t item) {
   loads_.lines_of_item = item;
   loads_.lines.clear();
   for (const traces::Access& access : accesses_of(item)) {
-    const LineSet lines = lines_of_access(access, *frame_.layout);
+    const LineSet lines =
+        lines_of_access(access, *frame_.layout, frame_.areas[static_cast<std::size_t>(Area::kSamples)]);
     for (std::uint32_t i = 0; i < lines.count; ++i) {
       if (std::ranges::find(loads_.lines, lines.line[i]) == loads_.lines.end()) loads_.lines.push_back(lines.line[i]);
     }
@@ -475,7 +476,8 @@ inline bool Srp::feed_ray(sim::Time now) {
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.tile_tag()});
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.tile_tag(),
+                                   work.ray_keys.empty() ? RayJob::kNoKey : work.ray_keys[ray]});
   buffer_.count_reads(sizeof(traces::Ray) / kAccessBytes);
   rays_.note_sent(now);
   stats_.rays += 1;

@@ -147,6 +147,7 @@ class Srp {
   bool warm_line(Addr line) { return cache_.warm_line(line); }
   const CacheTags& cache_tags() const { return cache_.tags(); }
   void set_cache_tags(const CacheTags& tags) { cache_.set_tags(tags); }
+  std::size_t clear_cache() { return cache_.clear(); }
 
  private:
   static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item: value of `lines_of_item` while `lines` is empty

@@ -167,6 +167,7 @@ class FetchStage {
   bool warm_line(Addr line) { return l1_.warm_line(line); }
   const CacheTags& l1_tags() const { return l1_.tags(); }
   void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
+  std::size_t clear_l1() { return l1_.clear(); }
 
   /// True if a prefetch into the unit's L1 would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
@@ -174,6 +175,31 @@ class FetchStage {
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     return l1_.prefetch_line(line, slot, cycle);
   }
+  /// Makes the L1 count what becomes of prefetched lines. try_first_probe_hit() must not be used then.
+  void count_prefetches() { l1_.count_prefetches(); }
+  const L1Cache::PrefetchCounts& prefetch_counts() const { return l1_.prefetch_counts(); }
+
+  /// Gives the line that a slot has just read to other slots, which waited for it or were ready to probe for it.
+  void share_line(std::uint64_t slot_mask) {
+    ready_ &= ~slot_mask;
+    served_ &= ~slot_mask;
+    stats_.l1_late += static_cast<std::uint64_t>(std::popcount(late_ & slot_mask));
+    late_ &= ~slot_mask;
+  }
+  /// Makes slots wait for the line on which another slot has just missed, without probes. Only for `reorder`.
+  void share_miss(std::uint64_t slot_mask, Addr line, Wait wait) {
+    ready_ &= ~slot_mask;
+    late_ |= slot_mask;
+    if (wait == Wait::kMshr) {
+      no_mshr_ |= slot_mask;
+    } else {
+      missing_ |= slot_mask;
+      l1_.add_waiting_slots(line, slot_mask);
+    }
+  }
+  /// Returns a mask of the slots whose line has arrived and is kept for them.
+  std::uint64_t served_slots() const { return served_; }
+
   /// Attributes later memory requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { l1_.set_slot_tile(slot, tile); }
   TileTag slot_tile(std::uint32_t slot) const { return l1_.slot_tile(slot); }

@@ -101,6 +101,7 @@ class Ist {
   bool warm_line(Addr line) { return fetch_.warm_line(line); }
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
   void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
+  std::size_t clear_l1() { return fetch_.clear_l1(); }
 
  private:
   struct Slot {

@@ -6,11 +6,13 @@
 namespace hw {
 
 /// A ray that a shader core (SRP) sends to the T&I unit. `walk`: the ray's recorded walk through the BVH
-/// (traces/walk.h). `id`: the SRP's handle of the ray.
+/// (traces/walk.h). `id`: the SRP's handle of the ray. `key`: its sort key (traces/ray_key.h).
 struct RayJob {
   const std::uint32_t* walk = nullptr;
   std::uint32_t id = 0;
   TileTag tile = kNoTile;
+  std::uint32_t key = 0;
+  static constexpr std::uint32_t kNoKey = 0xffffffffU;  ///< the work was recorded without sort keys
 };
 
 /// A finished ray that the T&I unit returns to the shader core.

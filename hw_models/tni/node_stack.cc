@@ -46,6 +46,12 @@ std::uint32_t NodeStack::take_child(const TreeInMemory& tree) {
   return link;
 }
 
+std::uint32_t NodeStack::resident_children() const {
+  std::uint32_t children = 0;
+  for (std::uint32_t i = 1; i <= resident_; ++i) children += entries_[entries_.size() - i].left;
+  return children;
+}
+
 void NodeStack::restart(const StackRules& rules, const TreeInMemory& tree, RestartPath& path, StackStats& stats) {
   assert(!entries_.empty() && "a pop from an empty stack");
   const std::uint32_t youngest = entries_.back().origin.node;

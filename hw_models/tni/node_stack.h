@@ -32,6 +32,9 @@ class NodeStack {
   /// Takes the next child at the end of a restart, which has just tested the node of the youngest entry.
   std::uint32_t take_child(const TreeInMemory& tree);
 
+  /// Returns the number of unvisited children of the entries that are in the short stack.
+  std::uint32_t resident_children() const;
+
   /// Plans the visits of a restart and refills the short stack as these visits will.
   void restart(const StackRules& rules, const TreeInMemory& tree, RestartPath& path, StackStats& stats);
 

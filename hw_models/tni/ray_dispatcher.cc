@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/branch_free.h"
+#include "sim/error.h"
 
 namespace hw {
 
@@ -17,7 +18,10 @@ RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock
       to_trv_(std::move(links.to_trv)),
       from_trv_(std::move(links.from_trv)),
       collects_(Arbitration::kRoundRobin, from_trv_.size()),
-      load_(to_trv_.size()) {}
+      load_(to_trv_.size()) {
+  stats_.sorts = policy_.config.is_sorting();
+  if (stats_.sorts) window_.emplace(policy_.config.window, policy_.config.timeout);
+}
 
 sim::Time RayDispatcher::tick(sim::Time now) {
   const bool collected = collect_hit(now);
@@ -26,10 +30,13 @@ sim::Time RayDispatcher::tick(sim::Time now) {
   const bool dispatched = dispatch_ray(now);
   while (dispatched && policy_.ideal && dispatch_ray(now)) {
   }
+  const bool taken = window_ && take_into_window(now);
+  while (taken && policy_.ideal && take_into_window(now)) {
+  }
   const auto waiting = [&](sim::Time at) {
-    return rays_in_.can_pop(at) ? CycleReason::kTrvsFull : CycleReason::kStarved;
+    return rays_in_.can_pop(at) || has_rays_in_window() ? CycleReason::kTrvsFull : CycleReason::kStarved;
   };
-  activity_.spend(now, clock_.period(), collected || dispatched ? CycleReason::kDispatching : waiting(now),
+  activity_.spend(now, clock_.period(), collected || dispatched || taken ? CycleReason::kDispatching : waiting(now),
                   waiting(clock_.edge_after(now, 1)));
   return next_wake(now);
 }
@@ -53,11 +60,32 @@ inline std::size_t RayDispatcher::chosen_trv(sim::Time at) const {
   return policy_.dispatch == Dispatch::kEmptiest ? emptiest_trv() : next_trv_in_turn(at);
 }
 
+bool RayDispatcher::take_into_window(sim::Time now) {
+  if (window_->is_full() || !rays_in_.can_pop(now)) return false;
+  const RayJob job = rays_in_.pop(now);
+  if (job.key == RayJob::kNoKey) {
+    throw sim::InputError(
+        "tni.dispatcher.sort: rays of recorded work have no keys; allowed: none, or a run that renders");
+  }
+  stats_.window_writes += 1;
+  stats_.key_moves += window_->insert_ray(job, clock_.cycles(now));
+  return true;
+}
+
+inline RayJob RayDispatcher::next_ray(sim::Time now) {
+  if (!window_) return rays_in_.pop(now);
+  const SortWindow::Sent sent = window_->remove_next(clock_.cycles(now));
+  stats_.window_reads += 1;
+  stats_.key_moves += sent.moved;
+  stats_.timed_out += sent.timed_out;
+  return sent.job;
+}
+
 bool RayDispatcher::dispatch_ray(sim::Time now) {
-  if (!rays_in_.can_pop(now)) return false;
+  if (!has_ray(now)) return false;
   const std::size_t trv = chosen_trv(now);
   if (load_[trv] == policy_.rays_per_trv || !to_trv_[trv]->can_push(now)) return false;
-  to_trv_[trv]->push(now, rays_in_.pop(now));
+  to_trv_[trv]->push(now, next_ray(now));
   load_[trv] += 1;
   turn_ = (trv + 1) % load_.size();
   stats_.rays_in += 1;
@@ -80,7 +108,13 @@ bool RayDispatcher::collect_hit(sim::Time now) {
 
 inline sim::Time RayDispatcher::next_wake(sim::Time now) const {
   const sim::Time next = clock_.edge_after(now, 1);
-  const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
+  sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
+  if (window_) {
+    if (!window_->is_full()) at = std::min(at, std::max(next, rays_in_.pop_at()));
+    if (window_->is_empty()) return at;
+    const std::size_t trv = chosen_trv(next);
+    return load_[trv] == policy_.rays_per_trv ? at : std::min(at, std::max(next, to_trv_[trv]->push_at()));
+  }
   if (rays_in_.pop_at() == sim::kNever) return at;
   const std::size_t trv = chosen_trv(next);
   if (load_[trv] == policy_.rays_per_trv) return rays_in_.can_pop(next) ? at : std::min(at, rays_in_.pop_at());

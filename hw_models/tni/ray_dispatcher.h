@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/sort_window.h"
 #include "hw_models/tni/tni_config.h"
 #include "sim/link.h"
 #include "sim/named.h"
@@ -19,7 +21,9 @@ namespace hw {
 ///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next one that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
-/// The dispatcher tracks the number of rays in each TRV by counting the rays sent to and returned by the TRV.
+/// 1. The dispatcher tracks the number of rays in each TRV by counting the rays sent to and returned by the TRV.
+/// 2. With a window (sort_window.h) one ray per cycle enters the window, and the window's next ray is sent in a later
+/// cycle. The window fills while no TRV has room.
 class RayDispatcher {
  public:
   static constexpr const char* kName = "core.tni.dispatcher";
@@ -32,9 +36,16 @@ class RayDispatcher {
   });
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;
+    bool sorts = true;  ///< counters of the window are reported
+    std::uint64_t window_writes = 0, window_reads = 0, key_moves = 0, timed_out = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays dispatched", "tni.ray_setup");
       counter(NAMED(s.hits_out), "hits returned to the shader core", "tni.hit_route");
+      if (!s.sorts) return;
+      counter(NAMED(s.window_writes), "rays written to the sorted window", "tni.ray_buffer_write");
+      counter(NAMED(s.window_reads), "rays read from the sorted window", "tni.ray_buffer_read");
+      counter(NAMED(s.key_moves), "keys of the window moved by insertions and removals", "tni.order_compare");
+      counter(NAMED(s.timed_out), "rays sent first because of their wait in the window");
     }
   };
   struct Links {
@@ -49,6 +60,7 @@ class RayDispatcher {
     std::uint32_t rays_per_trv = 0;  ///< capacity of the input buffer of a traversal unit (TRV)
     std::uint32_t hit_interval = 1;  ///< minimum cycles from one returned hit to the next
     bool ideal = false;              ///< the dispatcher moves unlimited rays and hits per cycle (ideal.tni)
+    DispatcherConfig config;
   };
 
   RayDispatcher(const Policy& policy, Links links, sim::Clock clock);
@@ -60,11 +72,17 @@ class RayDispatcher {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  bool idle() const { return stats_.rays_in == stats_.hits_out; }
+  bool idle() const { return stats_.rays_in == stats_.hits_out && !has_rays_in_window(); }
   std::string state() const;
 
  private:
   bool dispatch_ray(sim::Time now);
+  /// Takes a ray into the window. Throws InputError if the rays have no sort keys.
+  bool take_into_window(sim::Time now);
+  bool has_rays_in_window() const { return window_ && !window_->is_empty(); }
+  /// True if a ray could be sent at time `at` if a TRV had room.
+  bool has_ray(sim::Time at) const { return window_ ? !window_->is_empty() : rays_in_.can_pop(at); }
+  RayJob next_ray(sim::Time now);
   bool collect_hit(sim::Time now);
   std::size_t emptiest_trv() const;
   /// Returns the TRV that can accept a ray soonest from time `at` on; the next in round-robin order among equals.
@@ -82,6 +100,7 @@ class RayDispatcher {
   std::vector<std::uint32_t> load_;  ///< number of rays inside each traversal unit (TRV)
   std::size_t turn_ = 0;             ///< next traversal unit (TRV) in round-robin order
   sim::Time collect_at_ = 0;
+  std::optional<SortWindow> window_;
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -10,7 +10,7 @@ std::vector<sim::UnitPart> TrvConfig::parts(const TreeKind& tree) const {
           {"box_tester_q8", q8 ? box_testers : 0},
           {"box_tester_q12", q12 ? box_testers : 0},
           {"node_decoder", tree.is_decoded() ? 1U : 0U},
-          {"comparator", tree.comparisons(tree.slots)}};
+          {"comparator", tree.comparisons(tree.slots) + (gather == Gather::kOff ? 0 : rays)}};
 }
 
 std::vector<sim::UnitPart> IstConfig::parts(const TreeKind& tree) const {

@@ -63,8 +63,14 @@ struct TreeKind {
 enum class Prefetch : std::uint8_t {
   kNone,
   kSibling,  ///< prefetch the far child's node when a visit hits both children
+  kStack,    ///< prefetch the nodes of the next stack entries on a pop that follows a pop (Tozlu et al. 2026)
+  kTreelet,  ///< prefetch the rest of a treelet when the line of its root misses (Chou et al. 2023)
 };
-constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
+constexpr std::array<std::string_view, 4> names_of(Prefetch) { return {"none", "sibling", "stack", "treelet"}; }
+
+/// Whether rays that wait for the same node line are served as a group by one read of the line.
+enum class Gather : std::uint8_t { kOff, kNode };
+constexpr std::array<std::string_view, 2> names_of(Gather) { return {"off", "node"}; }
 
 /// Handling of misses in the first-level caches of a T&I unit (fetch_stage.h): what happens to a ray or leaf that
 /// misses.
@@ -100,6 +106,36 @@ enum class Dispatch : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
+/// Order in which the ray dispatcher sends rays.
+enum class RaySort : std::uint8_t {
+  kNone,          ///< the order of the shader core
+  kOriginOctant,  ///< by cell of the origin and octant of the direction (traces/ray_key.h), within a window
+};
+constexpr std::array<std::string_view, 2> names_of(RaySort) { return {"none", "origin_octant"}; }
+
+/// Configuration of the ray dispatcher: the window in which rays are sorted.
+struct DispatcherConfig {
+  RaySort sort = RaySort::kNone;
+  std::uint32_t window = 256;
+  std::uint32_t timeout = 4096;
+
+  static constexpr std::uint64_t kRayBytes = 48;  ///< storage of a ray in the window
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.sort), "", "order in which rays are sent to traversal units", sim::any(), Affects::kTiming);
+    field(NAMED(c.window), "rays", "rays held at once for sorting (sort: origin_octant)", sim::between(16, 1024),
+          Affects::kTiming);
+    field(NAMED(c.timeout), "cycles", "wait in the window after which a ray is sent before all others",
+          sim::between(1, 1 << 20), Affects::kTiming);
+  }
+  bool is_sorting() const { return sort != RaySort::kNone; }
+  /// Returns the size in bytes of the window.
+  std::uint64_t sram_bytes() const { return is_sorting() ? window * kRayBytes : 0; }
+  /// Returns the parts of the ray dispatcher: a comparator for each entry of the sorted window.
+  std::vector<sim::UnitPart> parts() const { return {{"comparator", is_sorting() ? window : 0}}; }
+};
+
 /// Maximum latency, in cycles, of pipelines in the T&I unit, which a TimingWheel simulates.
 inline constexpr std::uint32_t kLongestPipe = 63;
 
@@ -120,7 +156,13 @@ struct TrvConfig {
   std::uint32_t stack_entry_bytes = 8;
   std::uint32_t ray_bytes = 96;
   Prefetch prefetch = Prefetch::kNone;
+  std::uint32_t prefetch_depth = 2;
+  sim::ByteSize treelet_bytes{1024};
+  Gather gather = Gather::kOff;
+  std::uint32_t gather_width = 8;
   CacheConfig l1;
+
+  static constexpr std::uint32_t kPrefetchQueue = 128;  ///< lines that can wait for their prefetch
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -157,11 +199,21 @@ struct TrvConfig {
     field(NAMED(c.ray_bytes), "bytes", "storage of a ray in the input buffer, for leakage and area",
           sim::between(16, 256), Affects::kEnergy);
     field(NAMED(c.prefetch), "", "which node lines are prefetched", sim::any(), Affects::kTiming);
+    field(NAMED(c.prefetch_depth), "entries", "stack entries whose nodes a pop prefetches (prefetch: stack)",
+          sim::between(1, 4), Affects::kTiming);
+    field(NAMED(c.treelet_bytes), "", "largest size of a treelet, in whole lines (prefetch: treelet)",
+          sim::power_of_two(512, 8192), Affects::kTiming);
+    field(NAMED(c.gather), "", "whether rays that wait for the same node line are served by one read", sim::any(),
+          Affects::kTiming);
+    field(NAMED(c.gather_width), "rays", "rays of a full group, which is served first (gather: node)",
+          sim::between(4, 16), Affects::kTiming);
     field.group(NAMED(c.l1), "private node cache");
   }
   void check(auto&& complain) const {
     if (stack_entries == 0 && stack != StackScheme::kRestartTrail && stack != StackScheme::kParent)
       complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail or parent only");
+    if (gather != Gather::kOff && box_testers == 1)
+      complain("gather", "is node; allowed with box_testers of 2 or more, whose box pipe is separate");
     if (l1.hit_cycles + box_latency > kLongestPipe)
       complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
     if (l1.hit_cycles + transform_latency > kLongestPipe)
@@ -185,9 +237,12 @@ struct TrvConfig {
   }
   /// Returns the parts of a traversal unit that is built for trees of one kind.
   std::vector<sim::UnitPart> parts(const TreeKind& tree) const;
-  /// Returns the size in bytes of a traversal unit's cache, input buffer and stacks.
+  bool has_prefetch_queue() const { return prefetch == Prefetch::kStack || prefetch == Prefetch::kTreelet; }
+  /// Returns the size in bytes of a traversal unit's cache, input buffer, stacks and queue of prefetches.
   std::uint64_t sram_bytes() const {
-    return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
+    constexpr std::uint64_t kLineNumberBytes = 4;
+    return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries) +
+           (has_prefetch_queue() ? kPrefetchQueue * kLineNumberBytes : 0);
   }
 };
 
@@ -244,6 +299,7 @@ struct TniConfig {
   Dispatch dispatch = Dispatch::kEmptiest;
   MissHandling miss_handling = MissHandling::kReorder;
   RauConfig rau;
+  DispatcherConfig dispatcher;
   TrvConfig trv;
   IstConfig ist;
   traces::PredictorConfig predictor;
@@ -255,10 +311,10 @@ struct TniConfig {
           Affects::kTiming);
     field(NAMED(c.link_depth), "entries", "slots of each link inside the unit", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
-    field.not_modelled("sort", "rays keep the order of the shader core");
     field(NAMED(c.miss_handling), "", "how a ray or leaf that misses in its L1 is handled", sim::any(),
           Affects::kTiming);
     field.group(NAMED(c.rau), "table of waiting rays, one per L1, with miss_handling: rau");
+    field.group(NAMED(c.dispatcher), "ray dispatcher");
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
     field.group(NAMED(c.predictor), "predictor of any-hit rays");
@@ -267,6 +323,8 @@ struct TniConfig {
     if (ists > trvs) {
       complain("ists", "is " + std::to_string(ists) + "; allowed: 1 to tni.trvs, which is " + std::to_string(trvs));
     }
+    if (trv.gather != Gather::kOff && miss_handling != MissHandling::kReorder)
+      complain("miss_handling", "is not reorder; allowed with tni.trv.gather: off, groups wait in the input buffer");
     if (predictor.enabled && trv.stack_push == StackPush::kNode) {
       complain("predictor.enabled", "is true, and stack entries are nodes; allowed with it: trv.stack_push=child");
     }

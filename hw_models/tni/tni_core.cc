@@ -1,5 +1,6 @@
 #include "hw_models/tni/tni_core.h"
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -43,7 +44,8 @@ TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& id
                  sim::Clock clock, const TreeKind& tree)
     : config_(ideal.tni ? with_ideal_pipes(config) : config),
       ideal_(ideal),
-      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1})) {
+      dispatcher_id_(machine.unit({unit_name_in_core(RayDispatcher::kName, core), clock, core + 1,
+                                   config.dispatcher.sram_bytes(), 0, config.dispatcher.parts()})) {
   for (std::uint32_t i = 0; i < config.ists; ++i) {
     ist_ids_.push_back(declare_ist(machine, config, core, clock, tree, i));
   }
@@ -92,11 +94,15 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
                       &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv)});
   }
   dispatcher_ = &machine.build<RayDispatcher>(
-      dispatcher_id_, RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni}, dispatcher,
-      clock);
+      dispatcher_id_,
+      RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni, config_.dispatcher},
+      dispatcher, clock);
+  std::shared_ptr<const Treelets> treelets;
+  if (config_.trv.prefetch == Prefetch::kTreelet)
+    treelets = std::make_shared<const Treelets>(scene.tree, config_.trv.treelet_bytes.bytes);
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const MemoryPort& memory = links.memory[t];
-    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree,
+    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree, treelets,
                                         Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *leaves[t].jobs,
                                                    *leaves[t].answers, memory.requests, memory.responses},
                                         memory.client, clock));

@@ -48,6 +48,10 @@ class TraversalSlot {
   /// Returns the phases with which the triangle tests of a leaf end. The next step must be a leaf.
   std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
+  /// Returns the number of the ray's entries that are in the short stack.
+  std::uint32_t resident_entries() const { return short_stack_size_; }
+  /// Returns how many of the ray's youngest entries are the next to be discarded, because they begin beyond the hit.
+  std::uint32_t known_culls() const { return pending_culls_; }
 
   /// Returns the sub-pipe that the ray's next step needs. `may_enter_instance`: false if the scene has no
   /// instances.

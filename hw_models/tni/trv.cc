@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,9 +13,10 @@
 namespace hw {
 
 static constexpr std::size_t kUsualStackDepth = 128;  ///< stack entries for which memory is reserved
+static constexpr Addr kNoLine = ~Addr{0};             ///< from this address down: no line of memory
 
-Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
-         sim::Clock clock)
+Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
+         std::shared_ptr<const Treelets> treelets, Links links, std::uint16_t client, sim::Clock clock)
     : box_latency_(config.l1.hit_cycles + config.visit_latency(tree.kind)),
       transform_latency_(config.l1.hit_cycles + config.transform_latency),
       stack_latency_(config.stack_latency),
@@ -25,6 +27,8 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
                 .one_pipe = config.box_testers == 1 && !mode.ideal,
                 .ideal = mode.ideal,
                 .prefetches = config.prefetch == Prefetch::kSibling,
+                .prefetcher = config.has_prefetch_queue(),
+                .gathers = config.gather != Gather::kOff,
                 .reorders = mode.handling == MissHandling::kReorder && !mode.ideal_l1,
                 .stack = stack_.capacity != 0,
                 .wide = tree.kind.wide,
@@ -57,6 +61,12 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
   links_.rays_in.store_pop_time_in(&arrivals_.rays, &arrivals_.soonest);
   links_.leaves_in.store_pop_time_in(&arrivals_.answers, &arrivals_.soonest);
   links_.memory_in.store_pop_time_in(&arrivals_.lines, &arrivals_.soonest);
+  if (features_.prefetcher) {
+    prefetcher_.emplace(config, tree_, std::move(treelets));
+    fetch_.count_prefetches();
+  }
+  stats_.has_prefetcher = features_.prefetcher;
+  stats_.gathers = features_.gathers;
   far_nodes_.reserve(config.rays);
   entries_.reserve(kUsualStackDepth);
 }
@@ -64,6 +74,15 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
 Trv::Stats Trv::stats() const {
   Stats all = stats_;
   static_cast<FetchStats&>(all) = fetch_.stats();
+  if (prefetcher_) {
+    all.prefetch_stack_reads = prefetcher_->stats().stack_reads;
+    all.prefetch_probes = prefetcher_->stats().probes;
+    all.prefetches = prefetcher_->stats().requests;
+    all.prefetches_dropped = prefetcher_->stats().dropped;
+    all.prefetches_useful = fetch_.prefetch_counts().useful;
+    all.prefetches_late = fetch_.prefetch_counts().late;
+    all.prefetches_useless = fetch_.prefetch_counts().useless;
+  }
   if (features_.wide) {
     (tree_.kind.format == traces::NodeFormat::kQ12      ? all.q12_box_tests
      : tree_.kind.is_decoded()                          ? all.q8_box_tests
@@ -170,6 +189,7 @@ sim::Time Trv::next_wake(const Cycle& cycle) const {
     at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
   }
   if (waiting_[kToRetire] != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
+  if (prefetcher_ && prefetcher_->has_work(fetch_)) return next;
   at = std::min(at, std::max(next, arrivals_.soonest));
   return std::min(at, fetch_.next_send_time(next, links_.memory_out));
 }
@@ -228,6 +248,7 @@ bool Trv::take_ray(sim::Time now) {
   TraversalSlot& slot = slots_[index];
   slot = TraversalSlot(job.walk, job.id);
   if (features_.node_stack) node_stacks_[index].clear();
+  if (prefetcher_) prefetcher_->begin_ray(index);
   begins_[index] = job.walk;
   fetch_.set_slot_tile(index, job.tile);
   stats_.rays_in += 1;
@@ -289,10 +310,11 @@ template <TrvCode kCode>
   if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index, cycle.number);
   const VisitLine line = next_line<kCode>(slot, index);
   // Fast path: saves 6, 1 and 1 % of the host's instructions for the three frames named at simulate_cycle().
-  if (has.reorders && fetch_.try_first_probe_hit(slot_bit(index), line.read.line)) {
+  if (has.reorders && !has.prefetcher && fetch_.try_first_probe_hit(slot_bit(index), line.read.line)) {
     waiting_[kToInner] &= ~slot_bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read_line(index, line.read.line, cycle.number);
              wait != FetchStage::Wait::kNothing) {
+    if (has.prefetcher && wait == FetchStage::Wait::kLine) prefetcher_->note_miss(index, line.node);
     return handle_miss(wait, index, cycle.number);
   }
   if (has.wide) {
@@ -327,6 +349,87 @@ template <TrvCode kCode>
   }
 }
 
+std::uint64_t Trv::choose_group() {
+  const std::uint64_t ready = waiting_[kToInner];
+  for (std::uint64_t slots = ready & ~lines_known_; slots != 0; slots &= slots - 1) {
+    const auto index = static_cast<std::uint32_t>(std::countr_zero(slots));
+    const bool alone = features_.instances && enters_instance(slots_[index], index);
+    lines_[index] = alone ? kNoLine - index : next_line<TrvCode::kAny>(slots_[index], index).read.line;
+  }
+  lines_known_ = ready;
+  const std::uint64_t all = std::rotr(ready, static_cast<int>(inner_turn_));
+  const bool prefers_full = !last_group_full_;
+  std::uint64_t chosen = 0, full = 0;
+  std::uint32_t chosen_turn = inner_turn_, full_turn = inner_turn_;
+  for (std::uint64_t left = all; left != 0 && (chosen == 0 || (prefers_full && full == 0));) {
+    const std::uint32_t first = (inner_turn_ + static_cast<std::uint32_t>(std::countr_zero(left))) % 64;
+    std::uint64_t group = 0;
+    std::uint32_t size = 0;
+    for (std::uint64_t rest = left; rest != 0 && size < config_.gather_width; rest &= rest - 1) {
+      const std::uint32_t index = (inner_turn_ + static_cast<std::uint32_t>(std::countr_zero(rest))) % 64;
+      if (lines_[index] != lines_[first]) continue;
+      group |= slot_bit(index);
+      size += 1;
+    }
+    if (chosen == 0) chosen = group, chosen_turn = first;
+    if (size == config_.gather_width && full == 0) full = group, full_turn = first;
+    left &= ~std::rotr(group, static_cast<int>(inner_turn_));
+  }
+  stats_.gather_compares += static_cast<std::uint64_t>(std::popcount(ready));
+  const bool is_full = full != 0 && (prefers_full || full == chosen);
+  last_group_full_ = is_full;
+  stats_.groups += 1;
+  stats_.full_groups += is_full;
+  inner_turn_ = ((is_full ? full_turn : chosen_turn) + 1) % 64;
+  return is_full ? full : chosen;
+}
+
+Trv::CycleReason Trv::fetch_group(const Cycle& cycle) {
+  const std::uint64_t group = choose_group();
+  const std::uint64_t served = group & fetch_.served_slots();
+  const auto leader = static_cast<std::uint32_t>(std::countr_zero(served != 0 ? served : group));
+  const std::uint64_t others = group & ~slot_bit(leader);
+  lines_known_ &= ~group;
+  if (features_.instances && enters_instance(slots_[leader], leader))
+    return issue_transform(slots_[leader], leader, cycle.number);
+  const VisitLine line = next_line<TrvCode::kAny>(slots_[leader], leader);
+  const FetchStage::Wait wait = fetch_.read_line(leader, line.read.line, cycle.number);
+  if (wait != FetchStage::Wait::kNothing) {
+    fetch_.share_miss(others, line.read.line, wait);
+    if (prefetcher_ && wait == FetchStage::Wait::kLine) prefetcher_->note_miss(leader, line.node);
+    return handle_miss(wait, leader, cycle.number);
+  }
+  fetch_.share_line(others);
+  stats_.gathered += static_cast<std::uint64_t>(std::popcount(others));
+  stats_.node_lines += features_.wide && !line.of_parent;
+  stats_.parent_links += line.of_parent;
+  // Rays of a group may visit different nodes, if these share the line.
+  for (std::uint64_t slots = group; slots != 0; slots &= slots - 1) {
+    const auto index = static_cast<std::uint32_t>(std::countr_zero(slots));
+    if (next_line<TrvCode::kAny>(slots_[index], index).read.last) {
+      group_ |= slot_bit(index);
+    } else {
+      slots_[index].count_line_read();
+      waiting_[kToInner] |= slot_bit(index);
+    }
+  }
+  return CycleReason::kVisiting;
+}
+
+Trv::CycleReason Trv::issue_gathered(const Cycle& cycle) {
+  CycleReason why = CycleReason::kVisiting;
+  if (group_ == 0) why = fetch_group(cycle);
+  if (group_ == 0 || cycle.now < boxes_free_at_) return why;
+  const auto index = static_cast<std::uint32_t>(std::countr_zero(group_));
+  group_ &= ~slot_bit(index);
+  if (features_.wide) {
+    complete_wide_visit<TrvCode::kAny>(slots_[index], index, next_line<TrvCode::kAny>(slots_[index], index), cycle);
+  } else {
+    complete_visit<TrvCode::kAny>(slots_[index], index, cycle.number);
+  }
+  return CycleReason::kVisiting;
+}
+
 bool Trv::end_box_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   slot.reset_lines();
   if (config_.box_testers != 1) return true;
@@ -348,6 +451,10 @@ template <TrvCode kCode>
   }
   const bool hit_both = slot.advance_to_next_step(stack_.capacity, has.stack, stats_);
   if (has.prefetches && hit_both) both_children_hit_ |= slot_bit(index);
+  if (has.prefetcher && hit_both) {
+    const std::uint32_t step = slot.last_visit();
+    prefetcher_->push_entry(index, tree_.links[traces::node_of(step)].child[1 - traces::near_of(step)]);
+  }
   pipes_.schedule_completion(slot.next_pipe(has.instances), index, cycle, box_latency_);
 }
 
@@ -381,6 +488,7 @@ template <TrvCode kCode>
       if (hit_several) node_stacks_[index].push(line.node, hits, stack_.capacity, stats_);
     }
     if (has.prefetches && hit_several) both_children_hit_ |= slot_bit(index);
+    if (has.prefetcher && hit_several) prefetcher_->push_entries_of(index, line.node, hits);
     next = slot.next_pipe(has.instances);
   }
   pipes_.schedule_completion(next, index, cycle.number, latency);
@@ -390,6 +498,7 @@ Trv::Pipe Trv::complete_replayed_visit(TraversalSlot& slot, std::uint32_t index)
   stats_.restarted_visits += 1;
   const bool ends = slot.complete_replayed_visit(paths_[index]);
   if (ends && stack_.continues_without_pop()) {
+    if (prefetcher_) prefetcher_->take_entry(index);
     if (features_.node_stack) return continue_at_child(slot, index, node_stacks_[index].take_child(tree_));
     slot.consume_entry();
   }
@@ -406,12 +515,15 @@ template <TrvCode kCode>
   }
   if (!slot.pop_stack_entry(stats_)) {
     slot.restart_walk(begins_[index], tree_, stack_, entries_, paths_[index], stats_);
+  } else if (active_features<kCode>().prefetcher) {
+    prefetcher_->pop_entry(index, slot.resident_entries(), slot.known_culls());
   }
   pipes_.schedule_completion(slot.next_pipe(), index, cycle, stack_latency_);
 }
 
 Trv::Pipe Trv::pop_node_stack(TraversalSlot& slot, std::uint32_t index) {
   if (const std::optional<std::uint32_t> link = node_stacks_[index].pop(tree_, stats_)) {
+    if (prefetcher_) prefetcher_->pop_entry(index, node_stacks_[index].resident_children(), 0);
     return continue_at_child(slot, index, *link);
   }
   node_stacks_[index].restart(stack_, tree_, paths_[index], stats_);
@@ -462,24 +574,32 @@ template <TrvCode kCode>
   if (has.one_pipe) {
     why = issue_in_shared_pipe(cycle);
   } else {
-    if (has.wide && now < boxes_free_at_) {
+    if (has.gathers) {
+      if (can_serve_group(now)) why = issue_gathered(cycle);
+      while (has.ideal && can_serve_group(now)) {
+        if (issue_gathered(cycle) == CycleReason::kVisiting) why = CycleReason::kVisiting;
+      }
+      if (has.wide && now < boxes_free_at_) why = CycleReason::kVisiting;
+    } else if (has.wide && now < boxes_free_at_) {
       if (reads_early_lines_) read_early_line<kCode>(cycle);
       why = CycleReason::kVisiting;
     } else if (issuable_slot_mask() != 0) {
       why = issue_visit<kCode>(next_slot_round_robin(issuable_slot_mask()), cycle);
     }
-    while (has.ideal && issuable_slot_mask() != 0) {
+    while (has.ideal && !has.gathers && issuable_slot_mask() != 0) {
       if (issue_visit<kCode>(next_slot_round_robin(issuable_slot_mask()), cycle) == CycleReason::kVisiting)
         why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) issue_pop<kCode>(cycle);
     while (has.ideal && waiting_[kToStack] != 0) issue_pop<kCode>(cycle);
   }
-  if (has_output(now) || (has.prefetches && !far_nodes_.empty())) issue_outputs(cycle);
+  if (has_output(now) || (has.prefetches && !far_nodes_.empty()) || (has.prefetcher && prefetcher_->has_work(fetch_)))
+    issue_outputs(cycle);
   if (rays_moved_) account_full_buffer(now);
   const bool boxes_busy = has.wide && !reads_early_lines_ && cycle.next < boxes_free_at_;
-  const bool is_busy = !has.one_pipe && ((boxes_busy ? 0 : issuable_slot_mask()) | waiting_[kToStack] |
-                                         pipes_.completion_bit_at(cycle.number + 1)) != 0;
+  const std::uint64_t issuable = has.gathers ? can_serve_group(cycle.next) : boxes_busy ? 0 : issuable_slot_mask();
+  const bool is_busy =
+      !has.one_pipe && (issuable | waiting_[kToStack] | pipes_.completion_bit_at(cycle.number + 1)) != 0;
   sim::Time wake = is_busy ? cycle.next : next_wake(cycle);
   const bool boxes_stay_busy = has.wide && cycle.next < boxes_free_at_;
   if (boxes_stay_busy) wake = std::min(wake, boxes_free_at_);
@@ -580,6 +700,9 @@ void Trv::issue_outputs(const Cycle& cycle) {
     rays_moved_ = true;
   }
   if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after the demand accesses of the cycle
+  if (prefetcher_) {
+    run_once_or_drain(features_.ideal, [&] { return prefetcher_->issue_prefetch(fetch_, cycle.number); });
+  }
   fetch_.send_request(cycle.now, links_.memory_out);
 }
 

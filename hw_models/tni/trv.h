@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/node_prefetcher.h"
 #include "hw_models/tni/node_stack.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
@@ -27,6 +30,8 @@ struct TrvFeatures {
   bool one_pipe = false;    ///< box tests, pops and leaves share one pipe
   bool ideal = false;       ///< the unit does unlimited operations per cycle
   bool prefetches = false;  ///< nodes of far children are prefetched
+  bool prefetcher = false;  ///< nodes of stack entries or treelets are prefetched
+  bool gathers = false;     ///< rays that wait for the same node line are served as a group
   bool reorders = true;     ///< miss handling is `reorder` and the L1 is not ideal
   bool stack = true;        ///< a ray's stack has a capacity of at least one entry
   bool wide = false;        ///< the tree has wide nodes
@@ -62,6 +67,9 @@ enum class TrvCode : std::uint8_t { kDefault, kWide, kAny };
 /// are not the last of their visit may be read. Decoding quantised boxes and ordering the hit children add latency.
 /// 7. With stack_push: node, rays visit children beyond their hit too. Such a visit hits nothing; the tests of such a
 /// leaf end with their distance.
+/// 8. With gather: node, one read of a line serves all rays that wait for it, up to a full group. The group's rays then
+/// enter the box pipe one after the other, and the next group reads its line when the last of them has entered. Full
+/// groups are served first, but not twice in a row if other rays are ready. Rays whose line misses wait as a group.
 ///
 /// Not modelled: reuse of a ray's slot in the input buffer while the ray waits in the RAU table.
 class Trv {
@@ -113,6 +121,10 @@ class Trv {
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
+    bool has_prefetcher = true, gathers = true;  ///< counters of the prefetcher and of groups are reported
+    std::uint64_t prefetch_stack_reads = 0, prefetches_dropped = 0;
+    std::uint64_t prefetches_useful = 0, prefetches_late = 0, prefetches_useless = 0;
+    std::uint64_t groups = 0, full_groups = 0, gathered = 0, gather_compares = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.rays_out), "rays retired", "tni.ray_buffer_read");
@@ -141,6 +153,19 @@ class Trv {
               "tni.bypass_pass");
       counter(NAMED(s.prefetch_probes), "far nodes probed for prefetching", "cache.l1_probe");
       counter(NAMED(s.prefetches), "of these, lines requested from memory");
+      if (s.has_prefetcher) {
+        counter(NAMED(s.prefetch_stack_reads), "stack entries read for prefetching", "tni.stack_pop");
+        counter(NAMED(s.prefetches_useful), "prefetched lines read after they arrived");
+        counter(NAMED(s.prefetches_late), "prefetched lines needed before they arrived");
+        counter(NAMED(s.prefetches_useless), "prefetched lines evicted before they were needed");
+        counter(NAMED(s.prefetches_dropped), "lines not prefetched because the queue was full");
+      }
+      if (s.gathers) {
+        counter(NAMED(s.groups), "groups of rays served by one read of a line");
+        counter(NAMED(s.full_groups), "of these, full groups");
+        counter(NAMED(s.gathered), "rays of groups served without a probe of their own", "tni.ray_buffer_read");
+        counter(NAMED(s.gather_compares), "lines of waiting rays compared to form groups", "tni.order_compare");
+      }
       StackStats::describe(s, counter);
       counter(NAMED(s.leaves), "leaves sent to the intersection unit", "tni.ray_route");
     }
@@ -154,8 +179,9 @@ class Trv {
     sim::Link<MemResponse>& memory_in;
   };
 
-  Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
-      sim::Clock clock);
+  /// `treelets`: treelets of the scene, if they are prefetched; otherwise null.
+  Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, std::shared_ptr<const Treelets> treelets,
+      Links links, std::uint16_t client, sim::Clock clock);
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
@@ -170,11 +196,14 @@ class Trv {
   }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
-  bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
+  bool idle() const {
+    return occupied_ == 0 && !fetch_.waits_for_memory() && (!prefetcher_ || prefetcher_->is_empty());
+  }
   std::string state() const;
   bool warm_line(Addr line) { return fetch_.warm_line(line); }
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
   void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
+  std::size_t clear_l1() { return fetch_.clear_l1(); }
 
  private:
   using Pipe = TraversalSlot::Pipe;
@@ -236,6 +265,15 @@ class Trv {
   /// Returns the next line that the visit of a slot reads. The slot must not be at an instance.
   template <TrvCode kCode>
   VisitLine next_line(const TraversalSlot& slot, std::uint32_t index) const;
+  /// Serves groups of rays: reads the line of the next group if none is being served, and lets a ray of the group visit
+  /// its node.
+  CycleReason issue_gathered(const Cycle& cycle);
+  /// Returns the rays to be served next, as a group that waits for the same line. The lowest slot probes the L1.
+  std::uint64_t choose_group();
+  /// Reads the line of the next group. Returns the reason of the cycle.
+  CycleReason fetch_group(const Cycle& cycle);
+  /// True if a group can be served at time `at`.
+  bool can_serve_group(sim::Time at) const { return group_ != 0 ? at >= boxes_free_at_ : waiting_[kToInner] != 0; }
   /// Reads a line that is not the last of its visit, if a slot needs one. For cycles in which the box pipe is occupied.
   template <TrvCode kCode>
   void read_early_line(const Cycle& cycle);
@@ -315,6 +353,11 @@ class Trv {
   std::vector<RestartPath> paths_;            ///< for each slot's ray, the nodes to visit again after a restart
   std::vector<StackEntryOrigin> entries_;     ///< scratch space for restarts of rays
   std::vector<FarNode> far_nodes_;            ///< nodes to be prefetched in this cycle
+  std::optional<NodePrefetcher> prefetcher_;
+  std::uint64_t group_ = 0;       ///< mask of the rays whose line has been read and that wait for the box pipe
+  bool last_group_full_ = false;  ///< the group served last was full
+  std::array<Addr, 64> lines_{};  ///< line for which each ready ray waits; valid for slots of `lines_known_`
+  std::uint64_t lines_known_ = 0;
   sim::Time full_since_ = 0, full_time_ = 0;
   std::uint64_t full_since_visit_ = 0;
 };

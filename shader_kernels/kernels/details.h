@@ -77,13 +77,20 @@ struct ShadeBase {
 /// Applies a metal-roughness texture with the rule of traces/scene/gltf/materials.h: computes how much light the
 /// surface mirrors, in which colour, and how much remains. The input surface has its full base colour as diffuse
 /// colour, and transmits light as if it mirrored none.
-template <MipFilter kMips = MipFilter::kNone>
+/// With kRough the surface gets its GGX roughness, and mirrors as much as smooth facets do.
+template <MipFilter kMips = MipFilter::kNone, bool kRough = false>
 struct ShadePhysical {
   static constexpr std::string_view kName =
-      variant_name_by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
-  static constexpr std::string_view kMeaning = variant_name_by_filter<kMips>(
-      "surface with a metallic-roughness texture -> mirror and diffuse shares",
-      "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
+      kRough ? variant_name_by_filter<kMips>("shade_physical_rough", "shade_physical_rough_mip",
+                                             "shade_physical_rough_trilinear")
+             : variant_name_by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
+  static constexpr std::string_view kMeaning =
+      kRough ? variant_name_by_filter<kMips>("as shade_physical, with GGX roughness",
+                                             "as shade_physical_rough, from the nearest mip level",
+                                             "as shade_physical_rough, from two mip levels")
+             : variant_name_by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
+                                             "as shade_physical, from the nearest mip level",
+                                             "as shade_physical, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -105,10 +112,20 @@ struct ShadePhysical {
     SpecularRecord<V> optics = io.optics.load(slot);
     const auto texel = io.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
 
-    const F<V> gloss = clamp_to_unit<V>((0.5F - m.roughness * texel.linear_channel(1)) * 2.5F);
+    const F<V> roughness = m.roughness * texel.linear_channel(1);
+    F<V> gloss = clamp_to_unit<V>((0.5F - roughness) * 2.5F);
+    F<V> dielectric = m.dielectric, coat = m.coat;
+    I<V> rough_bits{};
+    if constexpr (kRough) {
+      const M<V> is_rough = logical_and(F<V>(traces::kLeastRoughness) <= roughness, optics.entering <= 0.0F);
+      gloss = select(is_rough, F<V>(1.0F), gloss);
+      dielectric = select(is_rough, dielectric * 0.5F, dielectric);
+      coat = select(is_rough, F<V>(0.0F), coat);
+      rough_bits = select(is_rough, to_int(roughness * 255.0F + 0.5F) << traces::kRoughnessShift, I<V>(0U));
+    }
     const F<V> metallic = m.metallic * texel.linear_channel(2);
     const F<V> metal = gloss * metallic;
-    const F<V> white = (gloss - metal) * m.dielectric + m.coat;
+    const F<V> white = (gloss - metal) * dielectric + coat;
     const F<V> sum = metal + white;
     // A mirrored fraction below 0.02 emits no ray; a sum above 1 is scaled down to conserve energy.
     const F<V> scale = select(sum < 0.02F, F<V>(0.0F), 1.0F / max(sum, F<V>(1.0F)));
@@ -119,8 +136,9 @@ struct ShadePhysical {
     const auto bit = [](const M<V>& mask, traces::MaterialFlag flag) {
       return select(mask, I<V>(static_cast<std::uint32_t>(flag)), I<V>(0U));
     };
-    const I<V> classes = matte.classes | bit(F<V>(0.0F) < max_channel(diffuse), traces::kDiffuse) |
-                         bit(F<V>(0.0F) < max_channel(optics.mirrored), traces::kMirror);
+    I<V> classes = matte.classes | bit(F<V>(0.0F) < max_channel(diffuse), traces::kDiffuse) |
+                   bit(F<V>(0.0F) < max_channel(optics.mirrored), traces::kMirror);
+    if constexpr (kRough) classes = classes | rough_bits;
     io.mattes.store(slot, {diffuse, classes});
     io.optics.store(slot, optics);
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <limits>
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
@@ -85,6 +86,7 @@ struct DiscUniforms {
     port(d.radius, "disc.radius");
     port(d.share, "disc.share");
   }
+  static void fields(auto& d, auto&& field) { name_all(field, NAMED_ALL(d.across_x, d.across_y, d.radius, d.share)); }
 };
 
 template <class V>
@@ -294,6 +296,76 @@ struct CombineRatio {
     const RatioRecord<V> so_far = io.ratios.load(path.sample);
     const Vec3<V> brought = select(lit, path.throughput, Vec3<V>{0.0F, 0.0F, 0.0F});
     io.ratios.store(path.sample, {so_far.rgb + brought, so_far.found + io.share});
+  }
+};
+
+/// Emits a diffuse ray from a selected surface. The light that it finds is added to another colour of the sample.
+struct CastBounce {
+  static constexpr std::string_view kName = "cast_bounce";
+  static constexpr std::string_view kMeaning = "diffuse surface -> ray that brings the light of other surfaces";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> passed;
+    Local<V, SurfacePointRecord> points;
+    Local<V, RayRecord> rays;
+    Local<V, PathRecord> paths;
+    Local<V, RatioRecord> ratios;
+    Local<V, ColourRecord> colours;
+    Local<V, RayRecord> next_rays;
+    Local<V, PathRecord> next_paths;
+    Counter<V> emitted;
+    F<V> epsilon;
+    I<V> apart;  ///< index offset from a sample to the sample that collects the light
+    RandomPointUniforms<V> draw;
+    static constexpr void describe(auto& p, auto&& port) {
+      port(NAMED(p.passed));
+      port(p.points, "places");
+      name_all(port, NAMED_ALL(p.rays, p.paths, p.ratios, p.colours, p.next_rays, p.next_paths, p.emitted, p.epsilon,
+                               p.apart));
+      RandomPointUniforms<V>::describe(p.draw, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.passed.load(item).word;
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
+    const UnitPoint<V> square = random_point_in_square<V>(io.rays.load(slot).direction, io.draw);
+    const UnitPoint<V> disc = map_to_disc<V>(square);
+    const PerpendicularAxes<V> to_side = perpendicular_axes<V>(point.normal);
+    const Vec3<V> direction =
+        unit_vector(to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - square.y));
+    const I<V> collector = path.sample + io.apart;
+    const I<V> out = io.emitted.next_index(F<V>(0.0F) <= square.y);
+    io.next_rays.store(out, {point.position, io.epsilon, direction, std::numeric_limits<float>::infinity()});
+    io.next_paths.store(out, {{1.0F, 1.0F, 1.0F}, collector});
+    io.colours.store(collector, {{0.0F, 0.0F, 0.0F}});
+    io.ratios.store(path.sample, {{0.0F, 0.0F, 0.0F}, 1.0F});
+  }
+};
+
+/// Stores the light that a sample's diffuse ray found as the visible fraction of a white sky.
+struct TakeBounce {
+  static constexpr std::string_view kName = "take_bounce";
+  static constexpr std::string_view kMeaning = "sample -> light of its diffuse ray, if it emitted one, as a share";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> colours;
+    Local<V, RatioRecord> ratios;
+    LatticeUniforms<V> lattice;
+    I<V> apart;
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.colours, p.ratios));
+      LatticeUniforms<V>::describe(p.lattice, port);
+      port(NAMED(p.apart));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = lattice_sample<V>(item, io.lattice);
+    const F<V> found = io.ratios.load(sample).found;
+    const Vec3<V> light = io.colours.load(sample + io.apart).rgb;
+    io.ratios.store(sample, {select(F<V>(0.0F) < found, light, Vec3<V>{0.0F, 0.0F, 0.0F}), found});
   }
 };
 

@@ -106,9 +106,16 @@ struct DiffuseLight {
   F<V> inverse_distance;
   Vec3<V> light;  ///< light including the path's throughput; no channel is above 0 if the surface faces away
 };
+/// A light source as it is seen from a surface, with nothing in between.
 template <class V>
-DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
-                              const LightUniforms<V>& light) {
+struct SeenLight {
+  Vec3<V> to_light;  ///< direction to the light source, not normalised: the source is at t = 1
+  F<V> inverse_distance;
+  F<V> cosine;  ///< cosine of the angle between normal and direction; negative if the surface faces away
+  F<V> share;   ///< irradiance per intensity, with the cosine
+};
+template <class V>
+SeenLight<V> see_light(const SurfacePointRecord<V>& point, const LightUniforms<V>& light) {
   const Vec3<V> to_light = light.position - point.position * light.local;
   const F<V> squared = dot(to_light, to_light);
   const F<V> inverse_distance = 1.0F / sqrt(squared);
@@ -117,8 +124,13 @@ DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathReco
   const F<V> cone = min(max(off_axis * light.cone_scale + light.cone_offset, F<V>(0.0F)), F<V>(1.0F));
   const F<V> of_range = squared * light.inverse_range_squared;
   const F<V> window = max(1.0F - of_range * of_range, F<V>(0.0F));
-  const F<V> share = cosine * (inverse_distance * inverse_distance) * (cone * cone) * window;
-  return {to_light, inverse_distance, path.throughput * diffuse * (light.intensity * share)};
+  return {to_light, inverse_distance, cosine, cosine * (inverse_distance * inverse_distance) * (cone * cone) * window};
+}
+template <class V>
+DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
+                              const LightUniforms<V>& light) {
+  const SeenLight<V> seen = see_light<V>(point, light);
+  return {seen.to_light, seen.inverse_distance, path.throughput * diffuse * (light.intensity * seen.share)};
 }
 
 struct ShadeBackground {

@@ -3,6 +3,8 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/effects.h"
+#include "shader_kernels/kernels/microfacets.h"
 #include "shader_kernels/ports.h"
 #include "sim/named.h"
 
@@ -68,6 +70,36 @@ struct ShadeMirror {
     const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
     const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
     emit_secondary_ray<V>(io, point.position, reflected, {path.throughput * tint, path.sample});
+  }
+};
+
+/// Emits mirrored rays like shade_mirror. At rough surfaces one random microfacet of the GGX distribution mirrors.
+struct ReflectRough {
+  static constexpr std::string_view kName = "reflect_rough";
+  static constexpr std::string_view kMeaning = "mirror, rough or glass surface -> reflection ray";
+  template <class V>
+  struct Ports : SecondaryPorts<V> {
+    Local<V, DiffuseRecord> mattes;
+    RandomPointUniforms<V> draw;
+    static constexpr void describe(auto& p, auto&& port) {
+      SecondaryPorts<V>::describe(p, port);
+      port(NAMED(p.mattes));
+      RandomPointUniforms<V>::describe(p.draw, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const auto [point, direction, path, optics, glass] = load_specular_hit<V>(item, io);
+    const I<V> classes = io.mattes.load(io.stream.load(item).word).classes;
+    const F<V> share = optics.entering * glass.reflectance;
+    const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
+    const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
+    const FacetReflection<V> facet =
+        reflect_by_facet<V>(direction, point.normal, random_point_in_square<V>(direction, io.draw), optics.mirrored,
+                            optics.kept, alpha_of<V>(classes));
+    const M<V> is_rough = I<V>(0U) < (classes & traces::kRoughnessMask);
+    emit_secondary_ray<V>(io, point.position, select(is_rough, facet.direction, reflected),
+                          {path.throughput * select(is_rough, facet.weight, tint), path.sample});
   }
 };
 

@@ -67,6 +67,10 @@ struct LightUniforms {
     port(c.cone_offset, "light.cone_offset");
     port(c.inverse_range_squared, "light.inverse_range_squared");
   }
+  static void fields(auto& l, auto&& field) {
+    name_all(field, NAMED_ALL(l.position, l.direction, l.intensity, l.local, l.reach, l.cone_scale, l.cone_offset,
+                              l.inverse_range_squared));
+  }
 };
 
 /// The samples of a tile, stored row by row with `pitch` per row, including the halo. In the picture the samples form a

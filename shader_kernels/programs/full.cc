@@ -15,7 +15,7 @@ float reciprocal_of(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
 }  // namespace
 
 FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-                         std::uint32_t samples, std::uint32_t frame)
+                         std::uint32_t samples, std::uint32_t frame, const PixelSink* sink)
     : FrameProgram(config.width, config.height),
       config_(config),
       scene_(image, config),
@@ -26,7 +26,8 @@ FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera&
       side_(std::max(1U, config.tile / grid_)),
       tiles_across_(tiles_along(config.width, side_)),
       tiles_down_(tiles_along(config.height, side_)),
-      seed_(jitter_seed(frame)) {}
+      seed_(jitter_seed(frame)),
+      sink_(sink) {}
 
 FrameRequirements FullProgram::requirements() const {
   return {tile_samples(), 0, 0, 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};
@@ -69,13 +70,25 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
       wave.wave_tracer().assign_ray_to_pixel(i, out.x + pixel % out.width, out.y + pixel / out.width);
     }
   }
-  wave.run(generated, samples);
+  RetainedRecords retained;
+  if (sink_ != nullptr) sink_->begin_tile(graph, generated, samples, out, retained);
+  shade_rays(wave, generate, generated, samples, retained);
 
-  write_pixels(graph, samples, out);
+  sink_ != nullptr ? sink_->write_tile(graph, samples, samples_, out) : write_pixels(graph, samples, out);
   wave.finish();
   out.sampling = {};
   out.sampling.wanted = out.sampling.traced = samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
+}
+
+void FullProgram::shade_rays(Wavefront& wave, const GeneratePorts<float>& /*ports*/, Wavefront::Node generated,
+                             std::uint32_t samples, const RetainedRecords& retained) const {
+  wave.run(generated, samples, retained);
+}
+
+Wavefront::Node FullProgram::average_samples(TileGraph& graph, AverageColour::Ports<float>& ports,
+                                             std::uint32_t samples) const {
+  return graph.launch<AverageColour>(ports, samples);
 }
 
 Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const {
@@ -106,7 +119,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = reciprocal_of(samples_);
-  const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
+  const Wavefront::Node averaged = average_samples(graph, average, samples);
   graph.wait_for_colour_writers(averaged);
   graph.write_pixels(averaged, offset);
 }

@@ -35,19 +35,7 @@ void GeometryPass::run_tile(std::uint32_t tile_index, const traces::Tracer& trac
 }
 
 void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) const {
-  out.tile = program_->tiles() + batch;
-  out.x = out.y = out.width = out.height = 0;
-  out.rays = {};
-  out.continued = out.traversal_steps = out.triangle_tests = 0;
-  out.pixel_work.clear();
-  out.linear.clear();
-  out.packed.clear();
-  out.marks.clear();
-  out.background.clear();
-  out.sampling = {};
-  out.work.frame = frame_;
-  out.work.tile = out.tile;
-  out.work.samples = 0;
+  out.clear_for_pass_entry(frame_, program_->tiles() + batch);
   StreamBuilder stream(out.work, out.buffer.scratch.spare_nodes, record);
   if (record) stream.add_binning(rasteriser_->bin_triangles(batch, out.buffer.scratch.coverage, out.work));
   stream.finish();

@@ -21,12 +21,23 @@ struct Named {
 };
 constexpr auto kNamed = std::to_array<Named>({
     {"full:1", {ProgramSpec::Kind::kFull, 1}},
+    {"path:1", {ProgramSpec::Kind::kPath, 1}},
     {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
     {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
     {"reconstruct", {ProgramSpec::Kind::kReconstruct, 16}},
     {"reconstruct:sraa", {ProgramSpec::Kind::kSraa, 16}},
     {"supersample", {ProgramSpec::Kind::kSupersample, 16}},
     {"undersample", {ProgramSpec::Kind::kUndersample, 1}},
+});
+
+/// Programs whose names end with a number of samples.
+struct Counted {
+  std::string_view name;
+  ProgramSpec::Kind kind;
+};
+constexpr auto kCounted = std::to_array<Counted>({
+    {"full", ProgramSpec::Kind::kFull},
+    {"path", ProgramSpec::Kind::kPath},
 });
 
 bool is_square(std::uint32_t n) {
@@ -36,19 +47,23 @@ bool is_square(std::uint32_t n) {
   return false;
 }
 
-ProgramSpec parse_full(std::string_view text, std::string_view number) {
+/// Parses the samples per pixel in the name of program full:N or path:N. `name`: the name before the colon.
+ProgramSpec parse_samples(std::string_view text, std::string_view name, ProgramSpec::Kind kind) {
+  const std::string_view number = text.size() > name.size() ? text.substr(name.size() + 1) : "";
   std::uint32_t samples = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), samples);
-  if (error == std::errc{} && end == number.data() + number.size() && is_square(samples)) return {.samples = samples};
+  if (error == std::errc{} && end == number.data() + number.size() && is_square(samples)) return {kind, samples};
   throw sim::InputError(
-      fmt::format("program '{}': the N of full:N, samples per pixel, must be a square from 1 to {} (1, 4, 9, 16, ...)",
-                  text, kMaxGrid * kMaxGrid));
+      fmt::format("program '{}': the N of {}:N, samples per pixel, must be a square from 1 to {} (1, 4, 9, 16, ...)",
+                  text, name, kMaxGrid * kMaxGrid));
 }
 
 }  // namespace
 
 std::string ProgramSpec::name() const {
-  if (kind == Kind::kFull) return fmt::format("full:{}", samples);
+  for (const Counted& counted : kCounted) {
+    if (counted.kind == kind) return fmt::format("{}:{}", counted.name, samples);
+  }
   for (const Named& named : kNamed) {
     if (named.spec.kind == kind && named.spec.samples == samples) return std::string(named.name);
   }
@@ -59,12 +74,13 @@ ProgramSpec parse_program(std::string_view text) {
   for (const Named& named : kNamed) {
     if (named.name == text) return named.spec;
   }
-  constexpr std::string_view kFull = "full:";
-  if (text == "full") return parse_full(text, "");
-  if (text.starts_with(kFull)) return parse_full(text, text.substr(kFull.size()));
-  std::string all = "full:N (N samples per pixel, a square)";
+  for (const auto& [name, kind] : kCounted) {
+    if (text == name || (text.starts_with(name) && text[name.size()] == ':')) return parse_samples(text, name, kind);
+  }
+  std::string all = "full:N (N samples per pixel, a square), path:N";
   for (const Named& named : kNamed) {
-    if (named.spec.kind != ProgramSpec::Kind::kFull) all += fmt::format(", {}", named.name);
+    const bool is_counted = named.spec.kind == ProgramSpec::Kind::kFull || named.spec.kind == ProgramSpec::Kind::kPath;
+    if (!is_counted) all += fmt::format(", {}", named.name);
   }
   throw sim::InputError(fmt::format("program '{}' does not exist{}; there is: {}", text,
                                     traces::did_you_mean(text, program_names()), all));

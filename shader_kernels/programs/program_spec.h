@@ -8,9 +8,11 @@ namespace kernels {
 
 /// A frame program and its number of samples, as the user names it.
 struct ProgramSpec {
-  enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample, kReconstruct, kSraa };
+  enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample, kReconstruct, kSraa, kPath };
   Kind kind = Kind::kFull;
-  std::uint32_t samples = 1;  ///< samples per pixel, a square number; used by full and multirate
+  std::uint32_t samples = 1;  ///< samples per pixel, a square number; used by full, path and multirate
+  /// True if no tile needs results of other tiles.
+  bool has_independent_tiles() const { return kind == Kind::kFull || kind == Kind::kPath; }
   std::string name() const;
 };
 

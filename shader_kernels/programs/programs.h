@@ -4,11 +4,14 @@
 
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
+#include "shader_kernels/programs/denoise/denoise_config.h"
+#include "shader_kernels/programs/path/path_config.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/scene.h"
 
 namespace kernels {
@@ -19,12 +22,16 @@ struct ProgramConfig {
   ReconstructConfig reconstruct;
   SupersampleConfig supersample;
   UndersampleConfig undersample;
+  DenoiseConfig denoise;
+  PathConfig path;
 
   static void describe(auto& c, auto&& field) {
     field.group(NAMED(c.multirate), "frame programs multirate:under and multirate:super");
     field.group(NAMED(c.undersample), "frame program undersample");
     field.group(NAMED(c.supersample), "frame program supersample");
     field.group(NAMED(c.reconstruct), "frame programs reconstruct and reconstruct:sraa");
+    field.group(NAMED(c.denoise), "filter of a frame's noise");
+    field.group(NAMED(c.path), "frame program path:N");
   }
 };
 
@@ -36,8 +43,13 @@ struct Frame {
   const ProgramConfig& programs;
   const RateMap& rates;
   std::uint32_t number = 0;
-  float scene_size = 1;  ///< longest side of the scene's bounds, in frame 0
+  float scene_size = 1;                        ///< longest side of the scene's bounds, in frame 0
+  const traces::TreeBuilds* builds = nullptr;  ///< trees that the machine builds; null: the host builds them
+  const DenoiseHistory* history = nullptr;     ///< of the previous frame, for the denoiser; null: none
 };
+
+/// Throws InputError if the program cannot be denoised as configured.
+void check_denoise(const ProgramSpec& spec, const RenderConfig& render, const DenoiseConfig& denoise);
 
 std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& frame);
 

@@ -17,7 +17,8 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
 
 std::uint32_t UpsampledProgram::light_bytes_per_sample() const {
-  return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>));
+  const auto collected = static_cast<std::uint32_t>(scene_.has_bounce ? sizeof(ColourRecord<float>) : 0);
+  return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>)) + collected;
 }
 
 /// Returns the mean bytes per sample of a border. The outer half of the halo needs only visible fractions and geometry.
@@ -93,14 +94,30 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   graph.wait_for_all(generated, cleared);
   graph.register_record_writer(generated);
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < pixels; ++i) {
-    wave.wave_tracer().assign_ray_to_pixel(i, tile.at.x + x + i % across - tiles_.halo_width(),
-                                           tile.at.y + y + i / across - tiles_.halo_width());
+    const std::uint32_t column = tile.at.x + x + i % across - tiles_.halo_width();
+    const std::uint32_t row = tile.at.y + y + i / across - tiles_.halo_width();
+    wave.wave_tracer().assign_ray_to_pixel(i, column, row);
+    if (!scene_.has_bounce) continue;
+    const std::uint32_t sample = tile.out.buffer.rays.wave.paths[i].sample;
+    wave.wave_tracer().assign_sample_to_pixel(sample + buffer_position_count(), column, row);
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
   retained.low_rate = {.are_low_rate = true, .layer = buffer_position_count(), .grid = tile.grid};
   retained.cleared = generated;
   wave.run(generated, pixels, retained);
+  if (scene_.has_bounce) take_bounce(tile, lattice, pixels);
+}
+
+/// Moves the light of diffuse rays from the colours that collected it to the visible fractions.
+void UpsampledProgram::take_bounce(Tile& tile, const LatticeUniforms<float>& lattice, std::uint32_t pixels) const {
+  TakeBounce::Ports<float> ports;
+  ports.lattice = lattice;
+  ports.apart = buffer_position_count();
+  const Node taken = tile.graph.launch<TakeBounce>(ports, pixels);
+  tile.graph.wait_for_record_writers(taken);
+  tile.graph.wait_for_colour_writers(taken);
+  tile.graph.register_record_writer(taken);
 }
 
 /// Fills the halo of a tile. The simulator always traces halo samples itself, so that pixels do not depend on tile

@@ -54,6 +54,7 @@ class UpsampledProgram final : public FrameProgram {
   std::uint32_t exchanged_bytes_per_sample() const;
   std::uint64_t stored_bytes_per_tile() const { return tiles_.stored_samples() * exchanged_bytes_per_sample(); }
   void trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
+  void take_bounce(Tile& tile, const LatticeUniforms<float>& lattice, std::uint32_t pixels) const;
   void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   Node upsample_effects(Tile& tile) const;

@@ -1,5 +1,8 @@
+#include "build_counts.h"
+#include "denoise/denoise_counts.h"
 #include "effects/effects_counts.h"
 #include "hand_counts.h"
+#include "path/path_counts.h"
 #include "reconstruct_counts.h"
 
 namespace kernels {
@@ -291,10 +294,15 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand), kFirstFused);
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand) + std::size(kPathByHand) +
+                std::size(kBuildByHand) + std::size(kDenoiseByHand),
+            kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
   expect_counts(kEffectsByHand);
+  expect_counts(kDenoiseByHand);
+  expect_counts(kPathByHand);
+  expect_counts(kBuildByHand);
 }
 
 }  // namespace

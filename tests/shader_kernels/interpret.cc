@@ -163,7 +163,7 @@ class Interpreter {
   const Graph& graph_;
   Environment& environment_;
   std::vector<Word> values_;
-  std::vector<std::array<Word, 16>> records_;  ///< for each load, the record that it read
+  std::vector<std::array<Word, 17>> records_;  ///< for each load, the record that it read
 };
 
 }  // namespace

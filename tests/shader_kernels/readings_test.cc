@@ -60,6 +60,8 @@ class RandomPorts {
   void operator()(std::uint32_t& uniform, std::string_view name) {
     if (name == "step" || name == "line_step") {
       uniform = random() % 2 == 0 ? 1 : 15;
+    } else if (name == "digit_shift") {
+      uniform = random() % 24;
     } else if (name == "round") {
       uniform = random() % 2 << kRoundShift;
     } else if (name == "mirrored" || name == "refracted" || name == "apart" || name == "branch" || name == "shaded") {

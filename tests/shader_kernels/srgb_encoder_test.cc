@@ -13,7 +13,7 @@
 namespace kernels {
 namespace {
 
-struct Frame {
+struct EncodedFrame {
   std::vector<float> linear;
   std::vector<std::uint32_t> packed;  ///< words of the frame buffer, tile by tile
   std::uint64_t packing_items = 0, launches = 0, picture_bytes = 0;
@@ -21,7 +21,7 @@ struct Frame {
 
 class SrgbEncoders : public testing::TestWithParam<const char*> {
  protected:
-  Frame run(SrgbEncoder srgb, Fusion fusion) const {
+  EncodedFrame run(SrgbEncoder srgb, Fusion fusion) const {
     RenderConfig render = small(37, 23);
     render.srgb = srgb;
     render.fusion = fusion;
@@ -29,7 +29,7 @@ class SrgbEncoders : public testing::TestWithParam<const char*> {
     const RateMap rates(programs.multirate);
     const auto program =
         make_program(parse_program(GetParam()), {stage_.image, stage_.camera, render, programs, rates, 0, 6});
-    Frame frame;
+    EncodedFrame frame;
     run_tiles(*program, stage_.tracer, true, [&](const TileResult& tile) {
       frame.packed.insert(frame.packed.end(), tile.packed.begin(), tile.packed.end());
       for (const traces::WorkNode& node : tile.work.nodes) {
@@ -52,7 +52,7 @@ class SrgbEncoders : public testing::TestWithParam<const char*> {
 
 TEST_P(SrgbEncoders, GiveThePictureBitForBitAndTheDmaWithoutAKernel) {
   for (const Fusion fusion : {Fusion::kOff, Fusion::kOn}) {
-    const Frame kernel = run(SrgbEncoder::kKernel, fusion), dma = run(SrgbEncoder::kDma, fusion);
+    const EncodedFrame kernel = run(SrgbEncoder::kKernel, fusion), dma = run(SrgbEncoder::kDma, fusion);
     EXPECT_EQ(dma.packed, kernel.packed);
     EXPECT_EQ(dma.linear, kernel.linear);
     EXPECT_EQ(dma.picture_bytes, kernel.picture_bytes);

@@ -8,6 +8,7 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/analysis/tree_builders.h"
 #include "tools/analysis/tree_formats.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/accel/bvh_info.h"
@@ -149,6 +150,7 @@ Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& imag
             {"triangles_per_leaf", tree.triangles_per_leaf()},
             {"bytes_per_triangle", tree.bytes_per_triangle()}}},
           {"trees", tree_formats_json(scene, config)},
+          {"builders", tree_builders_json(scene, image, config)},
           {"warnings", scene.warnings},
           {"host",
            {{"load_s", cost.load_s},
@@ -196,7 +198,7 @@ std::string scene_info_text(const Json& info, bool cameras) {
                    tree["mean_children"].get<double>(), 100 * tree["occupancy"].get<double>(),
                    tree["triangles_per_leaf"].get<double>(), tree["bytes_per_triangle"].get<double>()));
   line("host", loading_cost_text(info["host"], triangles));
-  return text + tree_formats_text(info["trees"]);
+  return text + tree_formats_text(info["trees"]) + tree_builders_text(info["builders"]);
 }
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "tools/analysis/flip.h"
 
 namespace tools {
 
@@ -46,8 +47,40 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b) {
   return squares / static_cast<double>(a.size());
 }
 
-PictureError PictureComparison::compare_frame(std::span<const float> rgb, std::span<const float> reference) {
+void PerceivedError::add(const PerceivedError& other) {
+  flip += other.flip;
+  frames += other.frames;
+  flicker += other.flicker;
+  changes += other.changes;
+}
+
+/// Returns FLIP error and flicker. A pixel is still if no channel of its reference changed by more than 1/255.
+PerceivedError PictureComparison::perceive(std::span<const float> rgb, std::span<const float> reference,
+                                           std::uint32_t width) {
+  constexpr float kStill = 1.0F / 255;
+  PerceivedError error{.flip = mean_flip(reference, rgb, width), .frames = 1};
+  double changes = 0;
+  std::size_t still = 0;
+  for (std::size_t i = 0; i < previous_rgb_.size(); i += 3) {
+    float moved = 0, change = 0;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      moved = std::max(moved, std::abs(srgb_encoded(reference[c]) - srgb_encoded(previous_reference_[c])));
+      change += std::abs(srgb_encoded(rgb[c]) - srgb_encoded(previous_rgb_[c])) / 3;
+    }
+    if (moved > kStill) continue;
+    changes += static_cast<double>(change);
+    still += 1;
+  }
+  if (still != 0) error.flicker = changes / static_cast<double>(still), error.changes = 1;
+  previous_rgb_.assign(rgb.begin(), rgb.end());
+  previous_reference_.assign(reference.begin(), reference.end());
+  return error;
+}
+
+PictureError PictureComparison::compare_frame(std::span<const float> rgb, std::span<const float> reference,
+                                              std::uint32_t width) {
   PictureError error{.squared = mean_squared_error(rgb, reference)};
+  if (width != 0) error.perceived = perceive(rgb, reference, width);
   std::vector<float> differences(rgb.size());
   std::ranges::transform(rgb, reference, differences.begin(),
                          [](float a, float b) { return srgb_encoded(a) - srgb_encoded(b); });

@@ -30,21 +30,35 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b);
 /// Returns the peak signal-to-noise ratio in dB, peak 1; nullopt for identical pictures.
 std::optional<double> psnr_db(double mean_squared_error);
 
+/// Errors as viewers perceive them; sums over frames.
+struct PerceivedError {
+  double flip = 0;            ///< mean FLIP error (flip.h)
+  std::uint32_t frames = 0;   ///< frames that `flip` sums; 0: not computed
+  double flicker = 0;         ///< mean change of still pixels since the previous frame, sRGB
+  std::uint32_t changes = 0;  ///< frames that `flicker` sums
+  void add(const PerceivedError& other);
+};
+
 /// Error of a frame's picture against its reference picture, on unquantised sRGB values.
 struct PictureError {
   double squared = 0;  ///< mean squared error
   /// Mean squared change of the picture's error since the previous frame; none in the first frame.
   std::optional<double> change = {};
+  PerceivedError perceived = {};
 };
 
 /// Compares the pictures of consecutive frames with their reference pictures.
 class PictureComparison {
  public:
-  /// Returns the error of the next frame. Both pictures are linear; all frames have equal sizes.
-  PictureError compare_frame(std::span<const float> rgb, std::span<const float> reference);
+  /// Returns the error of the next frame. Both pictures are linear; all frames have equal sizes. The perceived error is
+  /// computed if the pictures' `width` is given.
+  PictureError compare_frame(std::span<const float> rgb, std::span<const float> reference, std::uint32_t width = 0);
 
  private:
-  std::vector<float> previous_;  ///< differences of the previous frame; empty before the first
+  PerceivedError perceive(std::span<const float> rgb, std::span<const float> reference, std::uint32_t width);
+
+  std::vector<float> previous_;                           ///< differences of the previous frame; empty before the first
+  std::vector<float> previous_rgb_, previous_reference_;  ///< of the previous frame, if perceived errors are computed
 };
 
 /// Debug picture of a frame with adaptive sampling: 8-bit RGB, one pixel per sample.

@@ -371,6 +371,10 @@ Json dram_clients_json(const FrameResult& run) {
       {"spills", moved(Area::kSpill)}};
   if (const std::uint64_t bytes = moved(Area::kSamples); bytes != 0) clients["samples"] = bytes;
   if (const std::uint64_t bytes = moved(Area::kRates); bytes != 0) clients["rates"] = bytes;
+  // What remains are arrays and trees of kernels that build trees.
+  std::uint64_t built = kLine * (dmas.sum_of(&Dma::lines_written) + dmas.sum_of(&Dma::lines_read));
+  for (const Area area : {Area::kPicture, Area::kSpill, Area::kSamples, Area::kRates}) built -= moved(area);
+  if (built != 0) clients["build"] = built;
   return clients;
 }
 
@@ -408,6 +412,34 @@ Json sliced_json(const FrameResult& run) {
   return out;
 }
 
+/// Returns totals.representative of a report: counts of frames, and 95 % intervals of estimates.
+Json representative_json(const FrameResult& run) {
+  const RepresentedFrames& r = *run.represented;
+  Json out = {{"frames", r.frames},
+              {"simulated", r.simulated},
+              {"clusters", r.cluster_sizes.size()},
+              {"asked", r.asked == 0 ? Json("auto") : Json(r.asked)},
+              {"draw", r.draw},
+              {"rounds", r.rounds}};
+  add_intervals(run, r.cycles, r.energy_pj, out);
+  return out;
+}
+
+/// Returns `sequence` of a report: the cluster of each frame, and the simulated frames of each cluster. `frames`:
+/// reports of the simulated frames.
+Json sequence_json(const RepresentedFrames& r, const Json& frames) {
+  Json clusters = Json::array();
+  for (const std::uint32_t size : r.cluster_sizes) {
+    clusters.push_back({{"frames", size}, {"simulated", Json::array()}, {"weight", 0.0}});
+  }
+  for (const Json& frame : frames) {
+    Json& cluster = clusters.at(frame["cluster"].get<std::size_t>());
+    cluster["simulated"].push_back(frame["frame"]);
+    cluster["weight"] = cluster["weight"].get<double>() + frame["weight"].get<double>();
+  }
+  return {{"first_frame", r.first}, {"cluster_of_frame", r.cluster_of}, {"clusters", std::move(clusters)}};
+}
+
 double ratio_of(std::uint64_t part, std::uint64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
@@ -439,6 +471,23 @@ std::uint64_t dram_bytes(const FrameResult& run) {
   return Units<hw::DramChannel>(run.units).sum_of(&hw::DramChannel::Stats::bytes);
 }
 
+/// Returns the cost of the denoiser, and its share of all costs: those of the frame, with those of an external unit.
+Json denoise_json(const FrameResult& run, const DenoiseCost& cost) {
+  const double ms = static_cast<double>(cost.time) / sim::kFemtosecondsPerMillisecond;
+  const double mj = cost.energy_pj / sim::kPicojoulesPerMillijoule;
+  const auto bytes = static_cast<double>(cost.dram_bytes);
+  const auto share = [&](double part, double of_frame) {
+    return part / (cost.is_external ? of_frame + part : of_frame);
+  };
+  return {{"external", cost.is_external},
+          {"time_ms", ms},
+          {"dram_bytes", cost.dram_bytes},
+          {"energy_mj", mj},
+          {"time_share", share(ms, time_ms(run))},
+          {"dram_share", share(bytes, static_cast<double>(dram_bytes(run)))},
+          {"energy_share", share(mj, energy_mj(run))}};
+}
+
 void add_relative_metrics(Json& totals, const ComparedResult& result) {
   const FrameResult &run = result.run, &reference = *result.reference;
   const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
@@ -451,6 +500,9 @@ void add_relative_metrics(Json& totals, const ComparedResult& result) {
   totals["identical"] = totals["psnr_db"].is_null();
   if (result.worst_squared_error) totals["worst_psnr_db"] = decibels(*result.worst_squared_error);
   if (result.error.change) totals["temporal_psnr_db"] = decibels(*result.error.change);
+  const PerceivedError& perceived = result.error.perceived;
+  if (perceived.frames != 0) totals["flip"] = perceived.flip / perceived.frames;
+  if (perceived.changes != 0) totals["flicker"] = perceived.flicker / perceived.changes;
   totals["reference"] = {{"cycles", reference.cycles},
                          {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
@@ -491,6 +543,7 @@ Json host_json(const ReportInput& report) {
     host["pilot_s"] = result.run.sampled->pilot_seconds;
     host["warming_s"] = result.run.sampled->warming_seconds;
   }
+  if (result.run.represented) host["counting_s"] = result.run.represented->counting_seconds;
   if (is_sliced) host["slices_s"] = sliced->seconds;
   return host;
 }
@@ -538,7 +591,9 @@ Json totals_json(const ComparedResult& result) {
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(run);
   if (run.sampled) totals["sampled"] = sampled_json(run);
+  if (run.represented) totals["representative"] = representative_json(run);
   if (run.sliced) totals["sliced"] = sliced_json(run);
+  if (run.denoise) totals["denoise"] = denoise_json(run, *run.denoise);
   if (result.reference != nullptr) add_relative_metrics(totals, result);
   if (result.rate != nullptr) totals.update(frame_rate_json(run, *result.rate));
   if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
@@ -593,9 +648,11 @@ Json report_json(const ReportInput& report) {
               {"totals", std::move(totals)},
               {"frames", report.frames},
               {"units", sim::units_json(run.units)}};
-  if (run.sampled) {
+  if (run.represented) out["sequence"] = sequence_json(*run.represented, report.frames);
+  if (run.sampled || run.represented) {
     Json& intervals = out["sampled_counters"] = Json::object();
-    for (const auto& [path, interval] : run.sampled->counters) intervals[path] = interval_json(interval);
+    const auto& counters = run.sampled ? run.sampled->counters : run.represented->counters;
+    for (const auto& [path, interval] : counters) intervals[path] = interval_json(interval);
   }
   out["host"] = host_json(report);
   return out;

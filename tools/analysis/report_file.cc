@@ -291,7 +291,8 @@ Numbers report_numbers(const Json& report) {
   Numbers out;
   if (!report.is_object()) return out;
   for (const auto& [key, value] : report.items()) {
-    if (key != "host" && key != "provenance" && key != "sampled_counters") collect_numbers(value, key, 1, out);
+    const bool has_no_metrics = key == "host" || key == "provenance" || key == "sampled_counters" || key == "sequence";
+    if (!has_no_metrics) collect_numbers(value, key, 1, out);
   }
   Numbers sums = unit_sums(report);
   {

@@ -68,11 +68,31 @@ std::string tracing_reasons(const Json& s) {
 
 /// Formats the half-width of a metric's 95 % interval; empty if the metric is not estimated.
 std::string half_interval(const Json& totals, const char* metric) {
-  const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
+  const auto has = [&](const char* key) { return totals.contains(key); };
+  const char* const by = has("sampled") ? "sampled" : has("representative") ? "representative" : "sliced";
   if (!totals.contains(by) || !totals[by].contains(metric)) return "";
   const Json& i = totals[by][metric];
   const double half = (i["high"].get<double>() - i["low"].get<double>()) / 2;
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
+}
+
+std::string representative_text(const Json& r) {
+  return fmt::format("{} of {} frames simulated, of {} clusters; ± is the half-width of a 95 % interval",
+                     r["simulated"].get<int>(), r["frames"].get<int>(), r["clusters"].get<int>());
+}
+
+/// Formats which frames of each cluster were simulated.
+std::string clusters_text(const Json& sequence) {
+  sim::Table table({"cluster", "frames", "simulated"});
+  const Json& clusters = sequence["clusters"];
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    std::string numbers;
+    for (const Json& frame : clusters[c]["simulated"]) {
+      numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", frame.get<int>());
+    }
+    table.add_row({std::to_string(c), std::to_string(clusters[c]["frames"].get<int>()), numbers});
+  }
+  return table.text();
 }
 
 std::string slices_text(const Json& sliced) {
@@ -170,9 +190,12 @@ std::string overview_text(const Json& report) {
       return a["cycles"].get<double>() < b["cycles"].get<double>();
     };
     const auto [least, most] = std::minmax_element(frames.begin(), frames.end(), by_cycles);
-    line("frames", fmt::format("{} to {}, added up; {} to {} cycles each", frames.front()["frame"].get<int>(),
-                               frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));
+    line("frames",
+         fmt::format("{} to {}, {}; {} to {} cycles each", frames.front()["frame"].get<int>(),
+                     frames.back()["frame"].get<int>(), t.contains("representative") ? "some of them" : "added up",
+                     count((*least)["cycles"]), count((*most)["cycles"])));
   }
+  if (t.contains("representative")) line("representative", representative_text(t["representative"]));
   if (t.contains("sampled")) {
     const int timed = t["sampled"]["timed"].get<int>(), tiles = t["sampled"]["tiles"].get<int>();
     const char* const rest = timed < tiles ? "; the rest is estimated, ± is the half-width of a 95 % interval" : "";
@@ -254,6 +277,7 @@ std::string report_table(const Json& report) {
   const Json& totals = report["totals"];
   std::string out = overview_text(report) + "\n";
   if (totals.contains("replicates")) out += replicates_table(totals["replicates"]) + "\n";
+  if (report.contains("sequence")) out += clusters_text(report["sequence"]) + "\n";
   return out + energy_table(totals) + "\n" + kernel_table(totals["kernels"]);
 }
 

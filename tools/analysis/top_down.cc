@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/build/tree_builder.h"
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
@@ -189,6 +190,19 @@ void charge_raster_time(const Units<hw::RasterUnit>& rasteriser, const MemoryLat
   t.raster_levels = split_miss(memory.l2, memory, 0, 0);
 }
 
+/// Moves time without a tile to the tree builder, up to the builder's busy time. An approximation: tiles mostly wait
+/// for trees in this time.
+void charge_build_time(const Units<hw::TreeBuilder>& builder, const MemoryLatencies& memory, CoreTime& t) {
+  using Reason = hw::TreeBuilder::CycleReason;
+  const double busy = builder.empty() ? 0 : 1 - builder.share(Reason::kIdle);
+  if (busy == 0) return;
+  const double awaited = std::min(t.no_tile, busy);
+  t.no_tile -= awaited;
+  t.build_misses = awaited * (builder.share(Reason::kMemory) + builder.share(Reason::kPortFull)) / busy;
+  t.build = awaited - t.build_misses;
+  t.build_levels = split_miss(memory.l2, memory, 0, 0);
+}
+
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
   constexpr double kIdealRays = 64;  // rays that wait for lines at once in an ideal traversal unit (hw::IdealConfig)
@@ -223,6 +237,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   const double tracing = safe_ratio(srp.sum_of(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
   charge_raster_time(Units<hw::RasterUnit>(units, core), memory, t);
+  charge_build_time(Units<hw::TreeBuilder>(units), memory, t);
   const TniActivity in = tni_activity(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
@@ -248,8 +263,9 @@ struct TimePart {
   const char* words;
   double CoreTime::*share;
   MissLevels CoreTime::*levels = nullptr;
+  bool is_optional = false;  ///< reported only if it is not 0
 };
-constexpr std::array<TimePart, 12> kParts = {
+constexpr std::array<TimePart, 14> kParts = {
     {{"kernels", "kernels", &CoreTime::kernels},
      {"switches", "kernel switches", &CoreTime::switches},
      {"banks", "tile-buffer banks", &CoreTime::banks},
@@ -260,6 +276,8 @@ constexpr std::array<TimePart, 12> kParts = {
      {"tree_misses", "tree misses", &CoreTime::tree_misses, &CoreTime::tree_levels},
      {"raster", "rasteriser", &CoreTime::raster},
      {"raster_misses", "rasteriser's misses", &CoreTime::raster_misses, &CoreTime::raster_levels},
+     {"build", "tree builder", &CoreTime::build, nullptr, true},
+     {"build_misses", "tree builder's misses", &CoreTime::build_misses, &CoreTime::build_levels, true},
      {"transfers", "transfers", &CoreTime::transfers},
      {"no_tile", "no tile", &CoreTime::no_tile}}};
 
@@ -333,6 +351,7 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
 sim::Json time_json(const CoreTime& t) {
   sim::Json out = sim::Json::object();
   for (const TimePart& part : kParts) {
+    if (part.is_optional && t.*part.share == 0) continue;
     out[part.name] = part.levels == nullptr ? sim::Json(t.*part.share) : levels_json(t.*part.levels, t.*part.share);
   }
   for (const auto& [name, demand] : kDemands) out["demands"][name] = t.demands.*demand;
@@ -380,7 +399,8 @@ GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after)
   GrownPart most;
   for (const auto& [name, share] : before.time.items()) {
     if (name == "demands") continue;
-    const double more = after.cycles * sum_of_levels(after.time.at(name)) - before.cycles * sum_of_levels(share);
+    const double later = after.time.contains(name) ? sum_of_levels(after.time.at(name)) : 0;
+    const double more = after.cycles * later - before.cycles * sum_of_levels(share);
     if (more > most.cycles) most = {describe_time_part(name), more};
   }
   return most;

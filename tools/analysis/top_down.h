@@ -33,6 +33,7 @@ struct MissLevels {
 ///   array stalled: data_misses (of the shader core's data cache)
 ///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
 ///   array idle, no rays, rasteriser active: raster | raster_misses
+///   array idle, no tile, tree builder active: build | build_misses
 ///   array idle otherwise: transfers (waiting for the DMA, borders of other tiles, or the order of tiles) | no_tile
 struct CoreTime {
   double kernels = 0, switches = 0, banks = 0;
@@ -42,6 +43,7 @@ struct CoreTime {
   double pipes = 0;        ///< time with too few rays to fill the pipelines, or with stalls inside the T&I unit
   double tree_misses = 0;  ///< time in which rays wait for node or triangle lines
   double raster = 0, raster_misses = 0;
+  double build = 0, build_misses = 0;
   double transfers = 0, no_tile = 0;
   /// Times that parts of the core would need if they worked alone, as shares of the elapsed time. They can overlap.
   struct Demands {
@@ -68,7 +70,7 @@ struct CoreTime {
   };
   Demands demands{};
   /// Miss latencies of the core's caches by level of memory.
-  MissLevels data_levels{}, tree_levels{}, raster_levels{};
+  MissLevels data_levels{}, tree_levels{}, raster_levels{}, build_levels{};
 
   double busy_share() const { return kernels + switches + banks; }
   double tracing_share() const { return boxes + triangles + pipes + tree_misses; }

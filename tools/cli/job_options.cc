@@ -108,9 +108,9 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
   CLI::Option* rays = verb.add_option(
       "--rays", options.rays,
       "trace the rays of this file on the T&I units only; a ray is 8 floats: origin, t_min, direction, t_max");
-  for (const char* other :
-       {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
-        "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline", "--fps"}) {
+  for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
+                            "--debug-images", "--tile-sampling", "--representative", "--slices", "--image",
+                            "--replicates", "--intervals", "--watch", "--timeline", "--fps"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
   verb.add_flag("--any-hit", options.any_hit, "rays of --rays end at their first hit, as shadow rays do")->needs(rays);

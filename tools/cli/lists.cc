@@ -232,7 +232,8 @@ void print_scene(const InfoOptions& options) {
   const traces::Scene scene = SceneArgument::open_scene(config);
   cost.load_s = sim::seconds_since(begin);
   begin = sim::HostClock::now();
-  const traces::MemoryImage image = traces::build_memory_image(scene, config.bvh, 0, nullptr, config.render.mip_maps);
+  const traces::MemoryImage image =
+      traces::build_memory_image(scene, config.bvh, 0, nullptr, config.render.mip_maps, config.render.roughness());
   cost.build_s = sim::seconds_since(begin);
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;

@@ -32,6 +32,12 @@ void add_run_command(CLI::App& app, const std::vector<std::string>& argv, int&) 
                    "frame's work, e.g. 5%, or auto, which adds tiles until the intervals are +-2 % (docs/sampling.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 5%, auto") : ""; });
   verb->add_option(
+          "--representative", options->representative,
+          "simulate some of the frames of --frames and estimate the totals of all, with 95 % intervals: auto,\n"
+          "which adds frames until the intervals are +-3 %, or a number of clusters of similar frames, e.g. 12\n"
+          "(docs/sequences.md)")
+      ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: auto, 12") : ""; });
+  verb->add_option(
           "--image", options->image,
           "with --tile-sampling: full renders all tiles; none renders only tiles that are simulated or warm caches,\n"
           "and writes no picture")

@@ -244,13 +244,13 @@ RunIntervals RunIntervals::load(const std::filesystem::path& run) { return RunIn
 
 RunIntervals::RunIntervals(const ReportFile& report)
     : config_(reported_config(report)),
-      units_(idle_unit_reports(*config_.gpu, ReportedCounts(report).has_rasteriser(), config_.bvh)) {
+      units_(idle_unit_reports(*config_.gpu, ReportedCounts(report).optional_units(), config_.bvh)) {
   const std::filesystem::path file = interval_file_of(report);
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));
   };
   if (!has_intervals(report)) {
-    throw refuse("is not there; allowed: a run without --tile-sampling and --intervals off");
+    throw refuse("is not there; allowed: a run without --tile-sampling, --representative and --intervals off");
   }
   const std::string bytes = sim::read_file(file, kLargestIntervals);
   IntervalFile read;

@@ -179,7 +179,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   if (!(cycles >= 0 && cycles < 0x1p53)) ReportedCounts(report).refuse("totals.cycles is no count");
   elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu->clocks.tni.clock().period();
   const ReportedCounts counts(report);
-  std::vector<sim::UnitReport> units = idle_unit_reports(*config_.gpu, counts.has_rasteriser(), config_.bvh);
+  std::vector<sim::UnitReport> units = idle_unit_reports(*config_.gpu, counts.optional_units(), config_.bvh);
   counts.fill(units);
   build_energy_formula(units);
   const double own = total(&sim::Band::nominal) / sim::kPicojoulesPerMillijoule;
@@ -190,7 +190,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   }
   if (!table.is_own_table()) {
     apply_table(table, config_);
-    units = idle_unit_reports(*config_.gpu, counts.has_rasteriser(), config_.bvh);
+    units = idle_unit_reports(*config_.gpu, counts.optional_units(), config_.bvh);
     counts.fill(units);
     build_energy_formula(units);
   }

@@ -36,7 +36,7 @@ FrameRate evaluate_report_rate(const ReportFile& report, double fps) {
   config.frame.fps = fps;
   const sim::EnergyReport energy = run.energy();
   const std::vector<sim::UnitReport> units =
-      idle_unit_reports(*config.gpu, ReportedCounts(report).has_rasteriser(), config.bvh);
+      idle_unit_reports(*config.gpu, ReportedCounts(report).optional_units(), config.bvh);
   const double mean_ms = run.work().time_ms / run.work().frames;
   double slowest_ms = 0;
   for (int i = 0; i < static_cast<int>(run.work().frames); ++i) {

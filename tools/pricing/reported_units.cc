@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/build/tree_builder.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
 #include "sim/config/load.h"
@@ -67,8 +68,9 @@ void ReportedCounts::fill(std::vector<sim::UnitReport>& units) const {
   }
 }
 
-bool ReportedCounts::has_rasteriser() const {
-  return node_of(*units_, hw::unit_name_in_core(hw::RasterUnit::kName, 0)) != nullptr;
+OptionalUnits ReportedCounts::optional_units() const {
+  return {.rasterisers = node_of(*units_, hw::unit_name_in_core(hw::RasterUnit::kName, 0)) != nullptr,
+          .tree_builder = node_of(*units_, hw::TreeBuilder::kName) != nullptr};
 }
 
 void ReportedCounts::refuse(const std::string& why) const {

@@ -5,6 +5,7 @@
 #include "sim/unit_report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 
@@ -19,7 +20,8 @@ class ReportedCounts {
   /// Writes the report's counts into `units`, which are units of a machine that has not run. Throws InputError if the
   /// counts do not match the units.
   void fill(std::vector<sim::UnitReport>& units) const;
-  bool has_rasteriser() const;
+  /// Returns which optional units the machine of the report has.
+  OptionalUnits optional_units() const;
   /// Throws InputError with the reason `why`: another model made the report.
   [[noreturn]] void refuse(const std::string& why) const;
 

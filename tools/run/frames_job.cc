@@ -297,18 +297,19 @@ void run_frames(const JobOptions& options) {
   LiveRun live;
   Progress progress(options.watch ? "watch" : options.progress, options.quiet, &live);
   Inputs inputs = load_inputs(options, &progress);
-  RenderedFrames frames(inputs, plan, options.threads, &progress);
+  const std::unique_ptr<FrameSource> source = make_frames(inputs, plan, options.threads, &progress);
+  FrameSource& frames = *source;
   live.set_config(inputs.config);
   timeline.check_selection(inputs, plan.program);
   print_warnings(inputs.warnings, &progress);
-  if (plan.sampling() == nullptr && progress.shows_hints()) {
+  if (plan.sampling() == nullptr && plan.frame_sampling() == nullptr && progress.shows_hints()) {
     const RunParallelism parallelism{options.threads, frames.replicates(), frames.slices()};
     double frame = estimate_seconds(inputs, plan.program, parallelism);
     if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole_frames()->reference, parallelism);
     print_duration_hint(inputs.load_seconds + frame * inputs.frames(),
                         "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }
-  progress.expect_parts(inputs.frames() * (frames.has_reference() ? 2 : 1) * frames.replicates());
+  progress.expect_parts(frames.frame_count() * (frames.has_reference() ? 2 : 1) * frames.replicates());
   const std::size_t to_replace = min_frames_to_replace(folder.target() / "report.json");
   const bool has_picture = plan.sampling() == nullptr || plan.sampling()->full_image;
 

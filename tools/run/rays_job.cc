@@ -129,7 +129,7 @@ void run_rays(const JobOptions& options) {
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
   refuse_frame_keys(inputs.config);
-  check_table_names(idle_unit_reports(*inputs.config.gpu, false, inputs.config.bvh), inputs.config);
+  check_table_names(idle_unit_reports(*inputs.config.gpu, {}, inputs.config.bvh), inputs.config);
   print_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays,
                          options.any_hit ? traces::RayKind::kShadow : traces::RayKind::kPrimary,

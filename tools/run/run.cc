@@ -18,7 +18,9 @@
 #include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/run/representative_frames.h"
 #include "tools/sampling/slices.h"
+#include "tools/tiles/denoise_cost.h"
 #include "tools/tiles/tile_energy.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -40,8 +42,10 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   if (slices_ > 1) return simulate_slices(inputs_, plan_.program, threads_, slices_, progress_);
   SimulateOptions own = extras;
   own.rates = &rates_;
+  own.history = &history_;
   own.marks = plan_.whole_frames() != nullptr && plan_.whole_frames()->debug_images;
-  own.caches = std::exchange(caches_, nullptr);
+  // The frame before a representative frame is not simulated.
+  if (plan_.frame_sampling() == nullptr) own.caches = std::exchange(caches_, nullptr);
   FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
   caches_ = std::exchange(frame.caches, nullptr);
   if (slices_ == 1) frame.sliced = to_single_slice(frame);
@@ -59,7 +63,7 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
 }
 
 PictureError RenderedFrames::compare_pictures(const FrameResult& frame, const FrameResult& reference) {
-  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb);
+  return pictures_.compare_frame(frame.rendered.rgb, reference.rendered.rgb, perceived_width(inputs_.config));
 }
 
 namespace {
@@ -77,7 +81,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   own.keep_part = may_be_part;
   own.intervals = intervals ? &*intervals : nullptr;
   own.on_start = options.on_start;
-  own.itemised = options.itemised;
+  own.itemised = options.itemised || inputs.config.programs.denoise.has_kernels();  // for its costs
   hw::ObserverList observers;
   if (frames.has_whole_frames()) {
     observers.add(options.observer);
@@ -85,6 +89,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   }
   own.observer = observers.attached_observer();
   FrameResult frame = frames.simulate(own);
+  frame.denoise = denoise_cost(frame, inputs.config);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {
     out.tiles.frames.push_back(compute_tile_table(frame, inputs.config, inputs.frame));
@@ -105,7 +110,7 @@ void simulate_frame_with_reference(FrameSource& frames, const RunOptions& option
   out.set_missing_parts(frame, frames.replicates(), frames.has_reference() && !reference);
   const PictureError error = reference ? frames.compare_pictures(frame, *reference) : PictureError{};
   if (options.trace != nullptr && !out.partial)
-    options.trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
+    options.trace->end_frame(recorded_frame(inputs.frame, recorded_error(error)));
   if (options.on_frame) {
     options.on_frame({.inputs = inputs,
                       .frame = frame,
@@ -129,12 +134,21 @@ RunResult run(FrameSource& frames, const RunOptions& options) {
     if (out.frames.empty()) throw;
     out.partial = true;
   }
+  frames.complete_result(out);
   return out;
 }
 
+std::unique_ptr<FrameSource> make_frames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
+                                         Progress* progress) {
+  if (plan.frame_sampling() != nullptr) {
+    return std::make_unique<RepresentativeFrames>(inputs, plan, threads, progress);
+  }
+  return std::make_unique<RenderedFrames>(inputs, plan, threads, progress);
+}
+
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress) {
-  RenderedFrames frames(inputs, make_plan(options), options.threads, progress);
-  const RunResult result = run(frames, {.progress = progress});
+  const std::unique_ptr<FrameSource> frames = make_frames(inputs, make_plan(options), options.threads, progress);
+  const RunResult result = run(*frames, {.progress = progress});
   if (result.partial) throw Interrupted();
   return report_json({inputs, options, result.report_totals(), result.frames, false, 0});
 }
@@ -147,18 +161,20 @@ struct WholeFrameOption {
   bool (*is_given)(const JobOptions& options);
   const char* why_not_sampled;
   const char* why_not_sliced;
+  const char* why_not_represented;
 };
 constexpr std::array<WholeFrameOption, 5> kWholeFrameOptions = {{
     {"--reference", [](const JobOptions& o) { return !o.reference.empty(); }, "compare two runs of all tiles",
-     "compare two runs with equal --slices"},
+     "compare two runs with equal --slices", "compare two runs of the same frames"},
     {"--replicates", [](const JobOptions& o) { return o.replicates > 1; }, "replicates play all tiles",
-     "replicates are played side by side already"},
+     "replicates are played side by side already", "the variation within clusters includes the noise of frames"},
     {"--timeline", [](const JobOptions& o) { return !o.timeline.empty(); },
-     "a timeline is of a frame whose tiles are all timed", "a timeline is of one machine"},
+     "a timeline is of a frame whose tiles are all timed", "a timeline is of one machine",
+     "a timeline is of the first frame"},
     {"--record", [](const JobOptions& o) { return !o.record.empty(); }, "a trace has all tiles",
-     "slices render tiles at their borders twice"},
+     "slices render tiles at their borders twice", "a trace has consecutive frames"},
     {"--debug-images", [](const JobOptions& o) { return o.debug_images; }, "they show what all tiles took",
-     "what a tile took is that of one machine"},
+     "what a tile took is that of one machine", "they show a sequence of frames"},
 }};
 
 void refuse_options_of_whole_frames(const JobOptions& options, const char* mode, const char* WholeFrameOption::*why) {
@@ -173,6 +189,7 @@ void refuse_options_of_whole_frames(const JobOptions& options, const char* mode,
 RunPlan make_plan(const JobOptions& options) {
   RunPlan plan{kernels::parse_program(options.program), WholeFrames{}};
   const bool is_sampled = !options.tile_sampling.empty(), is_sliced = !options.slices.empty();
+  const bool is_represented = !options.representative.empty();
   if (is_sampled) {
     check_tile_sampling(plan.program);
     refuse_options_of_whole_frames(options, "--tile-sampling", &WholeFrameOption::why_not_sampled);
@@ -186,10 +203,18 @@ RunPlan make_plan(const JobOptions& options) {
     if (is_sampled) {
       throw sim::InputError("--slices does not go with --tile-sampling: a sample of the tiles is not cut");
     }
+    if (is_represented) throw sim::InputError("--slices does not go with --representative; allowed: one of the two");
     refuse_options_of_whole_frames(options, "--slices", &WholeFrameOption::why_not_sliced);
     plan.how = SlicedFrames{slices};
   }
-  if (!is_sampled && !is_sliced) {
+  if (is_represented) {
+    check_representative(plan.program);
+    refuse_options_of_whole_frames(options, "--representative", &WholeFrameOption::why_not_represented);
+    FrameSampling frames = parse_representative(options.representative);
+    if (is_sampled) frames.tiles = *plan.sampling();
+    plan.how = frames;
+  }
+  if (!is_sampled && !is_sliced && !is_represented) {
     WholeFrames whole{{}, options.replicates, options.debug_images};
     if (!options.reference.empty()) whole.reference = kernels::parse_program(options.reference);
     plan.how = whole;
@@ -221,6 +246,7 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
   frames.push_back(entry_of(frame, {frame, compared ? &*compared : nullptr, error}));
   if (compared) reference_frames.push_back(entry_of(*compared, {*compared}));
   squared_error += error.squared;
+  perceived.add(error.perceived);
   worst_squared_error = std::max(worst_squared_error, error.squared);
   if (error.change) worst_change = std::max(worst_change.value_or(0), *error.change);
   if (over_time != nullptr) intervals.add(number, *over_time);
@@ -229,8 +255,9 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
 }
 
 ComparedResult RunResult::report_totals() const {
-  ComparedResult totals{
-      *total, reference ? &*reference : nullptr, {squared_error / static_cast<double>(frames.size()), worst_change}};
+  ComparedResult totals{*total,
+                        reference ? &*reference : nullptr,
+                        {squared_error / static_cast<double>(frames.size()), worst_change, perceived}};
   if (worst_change) totals.worst_squared_error = worst_squared_error;
   return totals;
 }
@@ -240,6 +267,17 @@ void RunResult::set_missing_parts(const FrameResult& frame, std::uint32_t replic
   missing = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
                         lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
   partial = frame.is_partial() || !missing.empty();
+}
+
+std::uint32_t perceived_width(const RunConfig& config) {
+  return config.programs.denoise.filter != kernels::DenoiseFilter::kOff ? config.render.width : 0;
+}
+
+RecordedError recorded_error(const PictureError& error) {
+  RecordedError recorded{error.squared, error.change, {}, {}};
+  if (error.perceived.frames != 0) recorded.flip = error.perceived.flip;
+  if (error.perceived.changes != 0) recorded.flicker = error.perceived.flicker;
+  return recorded;
 }
 
 std::string RunResult::finished_part_text(std::size_t all) const {
@@ -288,6 +326,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   // Changes the report's JSON, because a changed copy of the inputs would duplicate the scene.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);
+  config.programs = reference_programs(config.programs);
   json["config"] = sim::config_json(config);
   json["provenance"]["config_hash"] = sim::config_hash(config);
   sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));

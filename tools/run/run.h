@@ -14,6 +14,8 @@
 #include "tools/analysis/report.h"
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/run/frame/trace_header.h"
+#include "tools/sampling/frame_sample.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/tiles/tile_table.h"
 #include "tools/timeline/timeline.h"
@@ -35,10 +37,15 @@ struct SlicedFrames {
 /// What a run simulates and how. Invalid combinations of options cannot be represented.
 struct RunPlan {
   kernels::ProgramSpec program;
-  std::variant<WholeFrames, TileSampling, SlicedFrames> how;
+  std::variant<WholeFrames, TileSampling, SlicedFrames, FrameSampling> how;
 
   const WholeFrames* whole_frames() const { return std::get_if<WholeFrames>(&how); }
-  const TileSampling* sampling() const { return std::get_if<TileSampling>(&how); }
+  const FrameSampling* frame_sampling() const { return std::get_if<FrameSampling>(&how); }
+  /// Returns how the tiles of each frame are sampled; null if frames are simulated as a whole.
+  const TileSampling* sampling() const {
+    if (const FrameSampling* frames = frame_sampling()) return frames->tiles ? &*frames->tiles : nullptr;
+    return std::get_if<TileSampling>(&how);
+  }
   const SlicedFrames* slice_settings() const { return std::get_if<SlicedFrames>(&how); }
 };
 
@@ -52,6 +59,7 @@ struct RunResult {
   double squared_error = 0;                 ///< mean squared error of the picture, summed over all frames
   double worst_squared_error = 0;           ///< error of the picture of the worst frame
   std::optional<double> worst_change = {};  ///< largest PictureError::change of a frame; none without a second frame
+  PerceivedError perceived = {};            ///< means over the frames
   sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
@@ -71,6 +79,12 @@ struct RunResult {
   /// Returns a text on how much of a run of `all` frames was finished before an interrupt.
   std::string finished_part_text(std::size_t all) const;
 };
+
+/// Returns the width with which a run's pictures are compared; 0 without a denoiser, as perceived errors then stay out of
+/// the report.
+std::uint32_t perceived_width(const RunConfig& config);
+/// Returns the errors of a frame that a trace contains.
+RecordedError recorded_error(const PictureError& error);
 
 /// Returns how many frames an interrupted run must have finished to replace an earlier result. If that is partial: as
 /// many as it has. If it is complete: one more than it has. If there is none: 1. `file`: report.json or verify.json.
@@ -106,6 +120,9 @@ class FrameSource {
   virtual std::uint32_t frame_count() const { return inputs().frames(); }
   /// True if each frame is simulated as a whole on one machine.
   virtual bool has_whole_frames() const { return true; }
+  /// Returns the number of slices into which each frame is split; slices are simulated concurrently. 1 if frames are
+  /// not split.
+  virtual std::uint32_t slices() const { return 1; }
   virtual bool has_reference() const = 0;
   /// Returns the number of simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
@@ -116,6 +133,8 @@ class FrameSource {
   virtual PictureError compare_pictures(const FrameResult& frame, const FrameResult& reference) = 0;
   /// Advances to the next frame; false after the last.
   virtual bool advance_frame() = 0;
+  /// Completes the result of a run after its last frame.
+  virtual void complete_result(RunResult&) const {}
 };
 
 /// Frame source for a scene. advance_frame() poses the scene in `inputs` for the next frame.
@@ -137,9 +156,7 @@ class RenderedFrames final : public PosedFrames {
  public:
   /// Throws InputError if the frames cannot be split into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
-  /// Returns the number of slices into which each frame is split; slices are simulated concurrently. 1 if frames are
-  /// not split.
-  std::uint32_t slices() const { return std::max(1U, slices_); }
+  std::uint32_t slices() const override { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole_frames() != nullptr && plan_.whole_frames()->reference; }
   std::uint32_t replicates() const override {
@@ -153,9 +170,15 @@ class RenderedFrames final : public PosedFrames {
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< slices per frame; 0 if frames are not split
   kernels::RateMap rates_, reference_rates_;
+  std::shared_ptr<const kernels::DenoiseHistory> history_;
   PictureComparison pictures_;
   std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< contents of the caches after the last frame
 };
+
+/// Returns the frames of a run rendered from the scene: all frames, or representative ones. Throws InputError, and
+/// Interrupted.
+std::unique_ptr<FrameSource> make_frames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
+                                         Progress* progress);
 
 /// A finished frame, before it is added to the run's result.
 struct SimulatedFrame {

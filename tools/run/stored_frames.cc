@@ -152,6 +152,8 @@ void StoredFrames::read_frame(std::size_t index) {
     };
     error_ = {error_at("squared_error"), {}};
     if (frame.contains("squared_change_error")) error_.change = error_at("squared_change_error");
+    if (frame.contains("flip")) error_.perceived.flip = error_at("flip"), error_.perceived.frames = 1;
+    if (frame.contains("flicker")) error_.perceived.flicker = error_at("flicker"), error_.perceived.changes = 1;
     inputs_.frame = static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame));
   });
 }
@@ -191,7 +193,7 @@ double StoredFrames::estimate_seconds() {
   const RunParallelism parallelism{threads_, replicates_};
   HostRate rate = kUsualRate;
   // Tiles can be simulated alone only if they are independent of each other, as in the program `full`.
-  const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
+  const bool has_free_tiles = program_.has_independent_tiles();
   if (has_free_tiles && may_take_minutes(steps, parallelism)) {
     const Part& first = find_part(false);
     load_tree(first);

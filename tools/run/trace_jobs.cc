@@ -30,12 +30,14 @@ namespace {
 struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
+  std::shared_ptr<const kernels::DenoiseHistory> history = nullptr;
 
   std::vector<float> record_frame(const Inputs& inputs, std::uint32_t threads, Progress& progress,
                                   traces::TraceWriter& trace, bool reference) {
     const traces::BvhTracer tracer(inputs.image, inputs.config.gpu->tni.predictor);
-    return render_frame(inputs, spec, tracer, threads,
-                        {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+    return render_frame(
+               inputs, spec, tracer, threads,
+               {.rates = &rates, .history = &history, .progress = &progress, .trace = &trace, .reference = reference})
         .rgb;
   }
 };
@@ -79,9 +81,10 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
     const std::vector<float> picture = program.record_frame(inputs, options.threads, progress, *trace, false);
     PictureError error;
     if (reference) {
-      error = pictures.compare_frame(picture, reference->record_frame(inputs, options.threads, progress, *trace, true));
+      error = pictures.compare_frame(picture, reference->record_frame(inputs, options.threads, progress, *trace, true),
+                                     perceived_width(inputs.config));
     }
-    trace->end_frame(recorded_frame(inputs.frame, error.squared, error.change));
+    trace->end_frame(recorded_frame(inputs.frame, recorded_error(error)));
   });
   trace->commit();
   progress.finish("done");

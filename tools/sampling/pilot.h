@@ -54,6 +54,13 @@ std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::Prog
 /// `thinning`: set to the frame's samples per sample of the pilot.
 kernels::FullProgram make_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning);
 
+/// Returns a program that only counts work: a picture of at least a few thousand samples, with tiles of the same number
+/// of samples as the frame's. `thinning`: set to the frame's samples per sample of the picture.
+kernels::FullProgram make_counting_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning);
+
+/// Returns the number of triangle tests of a ray's walk.
+std::uint32_t count_tests(const std::uint32_t* walk);
+
 /// Predicts traits and cost of every tile by executing the pilot, a picture with few samples. `requirements`: of the
 /// frame.
 Pilot survey_tiles(const Inputs& inputs, kernels::FrameProgram& program, double thinning,

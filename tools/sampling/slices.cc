@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <type_traits>
@@ -14,6 +15,7 @@
 
 #include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/programs.h"
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
@@ -177,12 +179,23 @@ std::vector<SliceResult> run_all_slices(const SliceSimulator& player, SharedFram
   return played;
 }
 
-kernels::FullProgram full_program(const Inputs& inputs, const kernels::ProgramSpec& program) {
-  return {inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame};
+/// Makes a program whose tiles do not depend on each other: full:N or path:N.
+std::unique_ptr<kernels::FrameProgram> sliceable_program(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+  const kernels::RateMap no_rates(inputs.config.programs.multirate);
+  return kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
+                                      no_rates, inputs.frame, inputs.scene_size});
 }
 
 void check_sliceable(const RunConfig& config) {
   const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--slices: a denoiser reads all tiles, which no slice has; allowed: denoise.filter=off");
+  }
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--slices: all tiles wait for the frame's trees, which no slice builds; allowed: "
+        "build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -201,12 +214,12 @@ void check_sliceable(const RunConfig& config) {
 struct SlicedProgram {
   SlicedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads, std::uint32_t slices)
       : tracer(inputs.image),
-        program(full_program(inputs, spec)),
-        player(inputs, program),
+        program(sliceable_program(inputs, spec)),
+        player(inputs, *program),
         plan(plan_slices(estimate_costs(inputs, spec, tracer, threads), slices, player.plan_shape())) {}
 
   const traces::BvhTracer tracer;
-  kernels::FullProgram program;
+  const std::unique_ptr<kernels::FrameProgram> program;
   const SliceSimulator player;
   const std::vector<Slice> plan;
 };
@@ -319,10 +332,11 @@ std::uint32_t parse_slices(const std::string& text) {
 }
 
 void check_slices(const kernels::ProgramSpec& program) {
-  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(fmt::format(
-      "--slices: tiles of {} wait for what their neighbours found, which may be in other slices; allowed: full:N",
-      program.name()));
+  if (program.has_independent_tiles()) return;
+  throw sim::InputError(
+      fmt::format("--slices: tiles of {} wait for what their neighbours found, which may be in other slices; allowed: "
+                  "full:N, path:N",
+                  program.name()));
 }
 
 std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t requested) {
@@ -344,8 +358,8 @@ FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pr
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
   SlicedProgram cut(inputs, program, threads, slices);
-  if (progress != nullptr) progress->begin_part("simulating", inputs.frame, cut.program.tiles());
-  SharedFrame frame(cut.program, progress);
+  if (progress != nullptr) progress->begin_part("simulating", inputs.frame, cut.program->tiles());
+  SharedFrame frame(*cut.program, progress);
   std::vector<SliceResult> played = run_all_slices(cut.player, frame, cut.tracer, cut.plan, threads);
   FrameResult s = sum_slices(cut.player, program, frame.take_result(), std::move(played));
   s.wall_seconds = sim::seconds_since(begin);
@@ -357,7 +371,7 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
   SlicedProgram cut(inputs, program, threads, slices);
-  SharedFrame frame(cut.program, nullptr);
+  SharedFrame frame(*cut.program, nullptr);
   SlicePart part;
   part.played = cut.player.run_slice(frame, cut.tracer, cut.plan.at(index), threads - 1);
   part.rendered = frame.take_result();
@@ -366,7 +380,7 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
 }
 
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices) {
-  const SliceSimulator player(inputs, full_program(inputs, program));
+  const SliceSimulator player(inputs, *sliceable_program(inputs, program));
   const MachineSpan nothing = player.initial_state();
   std::vector<SliceResult> played;
   RenderResult function;

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -25,6 +24,7 @@
 #include "tools/run/frame/trace_header.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/timed_tiles.h"
+#include "tools/sampling/weighted_sum.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/trace_writer.h"
 #include "traces/trace_file/tree_links.h"
@@ -130,49 +130,23 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
 
 /// Returns the weighted sum of times and counters over the measured parts of blocks; a counter that records a peak gets
 /// the maximum over all simulated parts.
-MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
+MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> part_weights,
                           const SampledRun& run) {
-  const auto sum = [&](auto&& of) {
-    double total = static_cast<double>(of(run.begin)) + static_cast<double>(of(run.end));
-    for (std::size_t k = 0; k < parts.size(); ++k) total += weights[k] * static_cast<double>(of(*parts[k]));
-    return std::max(0.0, total);
-  };
-  const auto round_count = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
+  std::vector<Activity> activities = {{run.begin.units, run.begin.kernels}, {run.end.units, run.end.kernels}};
+  std::vector<double> weights = {1, 1};
+  double time = static_cast<double>(run.begin.time) + static_cast<double>(run.end.time);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    activities.push_back({parts[k]->units, parts[k]->kernels});
+    weights.push_back(part_weights[k]);
+    time += part_weights[k] * static_cast<double>(parts[k]->time);
+  }
   MeasuredPart whole;
-  whole.time = round_count(sum([](const MeasuredPart& p) { return p.time; }));
-  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
+  whole.time = round_count(std::max(0.0, time));
   whole.units = run.units;
-  for (std::size_t u = 0; u < run.units.size(); ++u) {
-    sim::UnitReport& unit = whole.units[u];
-    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
-      sim::CounterReport& counter = unit.counters[i];
-      if (counter.kind != sim::CounterKind::kPeak)
-        counter.value = round_count(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
-    }
-    // Cycle reasons are scaled so that they add up to the unit's time; the largest absorbs the rounding difference.
-    unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
-    std::vector<double> spent;
-    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
-      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].cycles_by_reason[i].second; }));
-    }
-    const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
-    std::uint64_t given = 0;
-    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
-      unit.cycles_by_reason[i].second =
-          all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
-      given += unit.cycles_by_reason[i].second;
-    }
-    if (unit.cycles_by_reason.empty()) continue;
-    std::ranges::max_element(unit.cycles_by_reason, {}, [](const auto& why) { return why.second; })->second +=
-        unit.elapsed - given;
-  }
-  whole.kernels.resize(run.begin.kernels.size());
-  for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
-    for (const auto& entry : hw::KernelUse::kCounts) {
-      const auto count = entry.second;
-      whole.kernels[k].*count = round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*count; }));
-    }
-  }
+  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
+  for (sim::UnitReport& unit : whole.units) unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
+  set_weighted_units(whole.units, activities, weights);
+  whole.kernels = weighted_kernels(activities, weights);
   return whole;
 }
 
@@ -383,8 +357,15 @@ void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_render(const RunConfig& config) {
+void check_programs(const RunConfig& config) {
   const kernels::RenderConfig& render = config.render;
+  if (config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--tile-sampling: a denoiser reads all tiles; allowed: denoise.filter=off");
+  }
+  if (config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--tile-sampling: building trees is no part that tiles stand for; allowed: build.engine=host");
+  }
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
@@ -438,7 +419,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress) {
-  check_render(inputs.config);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   double thinning = 1;
   kernels::FullProgram pilot = make_pilot(inputs, program, thinning);
@@ -517,7 +498,7 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          traces::TraceWriter& trace) {
-  check_render(inputs.config);
+  check_programs(inputs.config);
   const traces::BvhTracer tracer(inputs.image);
   render_frame(inputs, program, tracer, threads, {.trace = &trace});
   double thinning = 1;
@@ -531,7 +512,7 @@ void record_sampled_work(const Inputs& inputs, const kernels::ProgramSpec& progr
   sim::Json result = recorded_result(front_end.result());
   result["thinning"] = thinning;
   trace.end_part(std::move(result));
-  trace.end_frame(recorded_frame(inputs.frame, 0, {}));
+  trace.end_frame(recorded_frame(inputs.frame, {}));
 }
 
 void Interval::add_estimate(const Interval& other) {

@@ -76,6 +76,7 @@ enum Kind : std::size_t {
   kTransferLines,
   kRecordLines,
   kRasterLines,
+  kBuildLines,
   kCacheLines,
   kAccesses,
   kBufferAccesses,
@@ -163,6 +164,7 @@ std::optional<Kind> default_kind_of_work(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::Dma)) return kTransferLines;
   if (unit.type == typeid(hw::MemoryInterface)) return kRecordLines;
   if (unit.type == typeid(hw::RasterUnit)) return kRasterLines;
+  if (unit.type == typeid(hw::TreeBuilder)) return kBuildLines;
   if (unit.type == typeid(hw::CorePort)) return unit.path.ends_with("dma_port") ? kTransferLines : kCacheLines;
   if (unit.type == typeid(hw::L2Bank)) return kL2Writes;
   return {};
@@ -226,7 +228,8 @@ class TileWeights {
     set(kTransferLines, lines_of(account, RequesterKind::kTransfers));
     set(kRecordLines, lines_of(account, RequesterKind::kRecords));
     set(kRasterLines, lines_of(account, RequesterKind::kRaster));
-    for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
+    set(kBuildLines, lines_of(account, RequesterKind::kBuild));
+    for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines, kBuildLines}) {
       values[kCacheLines] += values[kind];
     }
     set(kSrpCycles, account.srp_cycles);

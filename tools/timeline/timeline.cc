@@ -322,7 +322,7 @@ class SliceWriter {
         break;
       }
       case Slice::Kind::kTransfer: {
-        constexpr std::array kAreas = {"picture", "samples", "rates", "spill"};
+        constexpr std::array kAreas = {"picture", "samples", "rates", "build", "tree", "spill"};
         to.begin_slice(time, track, fmt::format("{} {}", slice.to_memory ? "write" : "read", kAreas.at(slice.what)),
                        "transfer", flow, {{"bytes", slice.amount}, {"tile", tile}});
         break;

@@ -46,6 +46,7 @@ Bounds bounds_of(const NodeRecord& node) {
 /// to be wide. Returns the order of the triangles in leaves.
 std::vector<std::uint32_t> set_nodes(FlatBvh&& bvh, const BvhConfig& config, MemoryImage& image) {
   std::vector<std::uint32_t> order = std::move(bvh.order);
+  image.build_statistics = {std::move(bvh.statistics)};
   if (config.is_wide()) {
     bvh.order = std::move(order);
     WideBvh wide = collapse_tree(bvh, config, max_triangles_of_merged_leaf(config));
@@ -95,12 +96,13 @@ MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials,
 }  // namespace
 
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
-                               MipMaps mip_maps) {
+                               MipMaps mip_maps, Roughness roughness) {
   const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
-  MaterialTables materials = material_tables(scene, has_mip_maps);
+  MaterialTables materials = material_tables(scene, has_mip_maps, roughness);
   const bool levels = config.instances == InstanceLevels::kTwoLevel;
   MemoryImage image = levels ? build_two_levels(scene, materials, config, threads, stop)
                              : build_one_level(scene, materials, config, threads, stop);
+  image.has_roughness = roughness == Roughness::kOn;
   image.textures = scene.textures;
   if (materials.needs_white) {
     image.white = static_cast<std::uint32_t>(image.textures.size());
@@ -120,7 +122,7 @@ MemoryImage reformat_tree(const MemoryImage& binary, const BvhConfig& config) {
   assert(!binary.is_wide() && !binary.grid && !binary.has_two_levels());
   MemoryImage image;
   image.triangles = binary.triangles;
-  FlatBvh bvh{binary.nodes, std::vector<std::uint32_t>(binary.triangles.size())};
+  FlatBvh bvh{binary.nodes, std::vector<std::uint32_t>(binary.triangles.size()), binary.build_statistics.at(0)};
   std::iota(bvh.order.begin(), bvh.order.end(), 0U);
   reorder_records<TriangleRecord>(image.triangles, set_nodes(std::move(bvh), config, image));
   finish_nodes(config, image);
@@ -202,7 +204,8 @@ void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned t
     return;
   }
   const MipMaps mip_maps = image.has_mip_maps() ? MipMaps::kOn : MipMaps::kOff;
-  image = build_memory_image(posed, config, threads, stop, mip_maps);
+  const Roughness roughness = image.has_roughness ? Roughness::kOn : Roughness::kOff;
+  image = build_memory_image(posed, config, threads, stop, mip_maps, roughness);
 }
 
 }  // namespace traces

@@ -10,7 +10,8 @@ namespace traces {
 /// triangle without area is kept as a point that no ray can hit. Throws sim::InputError for invalid references or a
 /// scene that is too large, and sim::Cancelled if `stop` returns true.
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {}, unsigned threads = 0,
-                               sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff);
+                               sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff,
+                               Roughness roughness = Roughness::kOff);
 
 /// Returns the tree, triangles and layout of a one-level image of float pairs in the format that `config` selects. The
 /// result has no shading records. `config` must have the binary tree's keys: leaf size, depth and costs.

@@ -23,9 +23,20 @@ enum class InstanceLevels : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
 
+/// Algorithm that builds binary trees (traces/accel/build/bvh_build.h).
+enum class TreeBuilder : std::uint8_t {
+  kEmbree,  ///< Embree's binned SAH
+  kLbvh,    ///< splits at the highest differing bit of Morton codes
+  kPloc,    ///< merges neighbours in Morton order
+};
+constexpr std::array<std::string_view, 3> names_of(TreeBuilder) { return {"embree", "lbvh", "ploc"}; }
+
 /// Configuration keys of the BVH: how it is built, which determines the traversal walks of rays, and its format in
 /// memory.
 struct BvhConfig {
+  TreeBuilder builder = TreeBuilder::kEmbree;
+  std::uint32_t morton_bits = 30;
+  std::uint32_t ploc_radius = 16;
   std::uint32_t leaf_size = 4;
   std::uint32_t max_depth = 64;
   double traversal_cost = 1;
@@ -61,14 +72,22 @@ struct BvhConfig {
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
-    field(NAMED(c.leaf_size), "triangles", "most triangles in a leaf", sim::between(1, kMaxLeafTriangles), kFunction);
-    field(NAMED(c.max_depth), "levels", "deepest tree; the last eight levels split at the median", sim::between(16, 96),
+    field(
+        NAMED(c.builder), "",
+        "algorithm that builds binary trees: Embree's binned surface area heuristic, splits of Morton codes (lbvh), or "
+        "merging of neighbours in Morton order (ploc)",
+        sim::any(), kFunction);
+    field(NAMED(c.morton_bits), "bits", "lbvh and ploc: bits of a Morton code: 24, 30 or 63", sim::between(24, 63),
           kFunction);
+    field(NAMED(c.ploc_radius), "clusters",
+          "ploc: how far a cluster searches along the Morton order, each way: 8 or 16", sim::between(8, 16), kFunction);
+    field(NAMED(c.leaf_size), "triangles", "most triangles in a leaf", sim::between(1, kMaxLeafTriangles), kFunction);
+    field(NAMED(c.max_depth), "levels", "deepest tree; a tree that would be deeper gets splits at the median",
+          sim::between(16, 96), kFunction);
     field(NAMED(c.traversal_cost), "", "surface area heuristic: cost of an inner node", sim::between(0.01, 100),
           kFunction);
     field(NAMED(c.intersection_cost), "", "surface area heuristic: cost of a triangle", sim::between(0.01, 100),
           kFunction);
-    field.not_modelled("builder", "the host builds the tree by the surface area heuristic, free of charge");
     field.not_modelled("compression", "bvh.format and bvh.leaf reduce the size of nodes and leaves");
     field(NAMED(c.update), "",
           "moving scenes: rebuild the tree for each frame, or refit the boxes of the first frame's tree", sim::any(),
@@ -111,6 +130,12 @@ struct BvhConfig {
         sim::any(), kFunction);
   }
   void check(auto&& complain) const {
+    if (morton_bits != 24 && morton_bits != 30 && morton_bits != 63) {
+      complain("morton_bits", "is " + std::to_string(morton_bits) + "; allowed: 24, 30, 63");
+    }
+    if (ploc_radius != 8 && ploc_radius != 16) {
+      complain("ploc_radius", "is " + std::to_string(ploc_radius) + "; allowed: 8, 16");
+    }
     if (triangle_bytes != 36 && triangle_bytes != 48) {
       complain("triangle_bytes", "is " + std::to_string(triangle_bytes) + "; allowed: 36 or 48");
     }

@@ -1,6 +1,7 @@
 #include "traces/accel/bvh_info.h"
 
 #include <algorithm>
+#include <cassert>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -100,13 +101,8 @@ TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t e
   return tree;
 }
 
-}  // namespace
-
-BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
-  BvhInfo info;
-  info.nodes = image.node_count();
-  info.slots = info.nodes * image.width;
-  info.bytes = image.layout.tree_bytes + (image.layout.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
+/// Measures all trees; the results are in the order of MemoryImage::build_statistics.
+std::vector<TreeCost> measure_trees(const MemoryImage& image, const BvhConfig& config, BvhInfo& info) {
   std::vector<TreeCost> objects;
   for (std::size_t k = 0; k < image.trees.size(); ++k) {
     const std::size_t begin = image.trees[k].first_node;
@@ -114,10 +110,48 @@ BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
     objects.push_back(measure_tree(image, begin, end, root_area(image, image.trees[k].first_node), config, {}, info));
   }
   const std::size_t top = image.trees.empty() ? image.node_count() : image.trees.front().first_node;
-  const TreeCost all = measure_tree(image, 0, top, half_area(image.lower, image.upper), config, objects, info);
+  const double area = half_area(image.lower, image.upper);
+  const TreeCost all = measure_tree(image, 0, top, area, config, objects, info);
+  objects.insert(objects.begin(), all);
+  return objects;
+}
+
+std::uint64_t tree_bytes(const MemoryImage& image) {
+  return image.layout.tree_bytes + (image.layout.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
+}
+
+}  // namespace
+
+BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
+  BvhInfo info;
+  info.nodes = image.node_count();
+  info.slots = info.nodes * image.width;
+  info.bytes = tree_bytes(image);
+  const TreeCost all = measure_trees(image, config, info).front();
   info.depth = all.depth;
   info.sah_cost = all.cost;
   return info;
+}
+
+double bytes_per_triangle(const MemoryImage& image) {
+  if (image.triangles.empty()) return 0;
+  return static_cast<double>(tree_bytes(image)) / static_cast<double>(image.triangles.size());
+}
+
+std::vector<double> tree_costs(const MemoryImage& image, const BvhConfig& config) {
+  BvhInfo info;
+  std::vector<double> costs;
+  for (const TreeCost& tree : measure_trees(image, config, info)) costs.push_back(tree.cost);
+  return costs;
+}
+
+std::vector<double> cost_growth(const std::vector<double>& built, const std::vector<double>& refitted) {
+  assert(built.size() == refitted.size());
+  std::vector<double> growth(built.size(), 1);
+  for (std::size_t i = 0; i < built.size(); ++i) {
+    if (built[i] > 0) growth[i] = refitted[i] / built[i];
+  }
+  return growth;
 }
 
 }  // namespace traces

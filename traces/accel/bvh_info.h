@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"
@@ -28,6 +29,17 @@ struct BvhInfo {
 };
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});
+
+/// Returns BvhInfo::bytes_per_triangle() without a pass over the nodes.
+double bytes_per_triangle(const MemoryImage& image);
+
+/// Returns the SAH cost of each tree, in the order of MemoryImage::build_statistics. The cost of a tree over instances
+/// includes the trees below.
+std::vector<double> tree_costs(const MemoryImage& image, const BvhConfig& config = {});
+
+/// Returns the factor by which the cost of each tree has grown since its build. Both arguments are results of
+/// tree_costs(): after the build and after the last refit. A tree of cost 0, for example of one flat box, grows by 1.
+std::vector<double> cost_growth(const std::vector<double>& built, const std::vector<double>& refitted);
 
 /// Returns the SHA-256 of the data that traversal reads: nodes, triangles and hybrid grid. The layout is not included.
 std::string bvh_hash(const MemoryImage& image);

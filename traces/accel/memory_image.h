@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "traces/accel/build/build_statistics.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/node_format.h"
 #include "traces/ray.h"
@@ -135,6 +136,10 @@ enum MaterialFlag : std::uint32_t {
   kOcclusionSecond = 1U << 19,
   kEmissionSecond = 1U << 20,
 };
+// Bits of MaterialRecord::flags from kRoughnessShift on: the GGX roughness of mirrored light in steps of 1 / 255, or 0
+// for smooth mirrors. Set only in images that are built with Roughness::kOn.
+inline constexpr std::uint32_t kRoughnessShift = 24, kRoughnessMask = 0xffU << kRoughnessShift;
+inline constexpr float kLeastRoughness = 0.1F;            ///< smoother surfaces are mirrors
 inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels run only if a scene needs them
 
 /// Material data that every hit reads, 64 bytes, all colours linear. With a metal_rough texture, `mirrored` is 0 and
@@ -223,6 +228,8 @@ struct Layout {
 /// Whether textures have mip levels in memory.
 enum class MipMaps : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(MipMaps) { return {"off", "on"}; }
+/// Whether materials have GGX roughness; otherwise all mirrors are smooth, and a rough surface mirrors less.
+enum class Roughness : std::uint8_t { kOff, kOn };
 /// Largest number of mip levels of all textures together: texture coordinate records have 16 bits for a level's number.
 inline constexpr std::uint32_t kMostMipLevels = 1U << 16;
 
@@ -258,6 +265,9 @@ struct MemoryImage {
   std::vector<InstanceRecord> instances;  ///< instances of a two-level image, in the order of Scene::instances
   std::vector<ObjectTree> trees;       ///< in two levels, the trees of meshes, shared ones first; used only by the host
   std::vector<std::uint32_t> tree_of;  ///< for each instance, the index of its tree; kNone if it has no triangles
+  /// Sizes of each tree at its last build: the only tree or the tree over instances, then those of `trees`. Used only
+  /// by the host.
+  std::vector<BuildStatistics> build_statistics;
   std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< vertex data; empty if no material needs them
@@ -274,6 +284,7 @@ struct MemoryImage {
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid on which the planes of all boxes are
   Layout layout;
+  bool has_roughness = false;  ///< built with Roughness::kOn
   bool is_wide() const { return !wide_nodes.empty(); }
   /// Returns the number of nodes of all trees.
   std::size_t node_count() const { return is_wide() ? wide_nodes.size() : nodes.size(); }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,9 @@ struct Material {
   float metallic = 0, roughness = 1;
   float dielectric = 0.08F;  ///< fraction of light that the non-metallic part mirrors if it is smooth
   float coat = 0;            ///< fraction of light that a white clear coat mirrors
+  /// Reflectance of microfacets at normal incidence. Set if the roughness is known, and used only in images with
+  /// Roughness::kOn.
+  std::optional<glm::vec3> facet_mirror{};
 
   TextureUse normal_texture{};  ///< normal map, linear, in tangent space
   float normal_scale = 1;

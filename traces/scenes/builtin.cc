@@ -27,6 +27,7 @@ constexpr Entry kEntries[] = {
     {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
      build_conference},
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
+    {"crowd", "200 skinned figures that walk across a square", 200'000, build_crowd},
     {"forest", "A clearing with a deer, a bench and toadstools; fine textures everywhere", 174'000, build_forest},
     {"hairball", "A ball of thin strands above a mirror floor, beside a mirror wall, in three lights", 2'880'000,
      build_hairball},

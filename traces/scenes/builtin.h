@@ -34,6 +34,7 @@ Scene build_car(const BuiltinOptions& options);
 Scene build_chess(const BuiltinOptions& options);
 Scene build_conference(const BuiltinOptions& options);
 Scene build_cornell(const BuiltinOptions& options);
+Scene build_crowd(const BuiltinOptions& options);
 Scene build_forest(const BuiltinOptions& options);
 Scene build_hairball(const BuiltinOptions& options);
 Scene build_laboratory(const BuiltinOptions& options);

@@ -14,7 +14,8 @@ class AccessRanks {
   std::array<std::uint32_t, kAccessKinds> seen_{};
 };
 
-std::uint64_t record_count(const ImageCounts& counts, Access::Kind kind) {
+std::uint64_t record_count(const AccessLimits& limits, Access::Kind kind) {
+  const ImageCounts& counts = limits.counts;
   switch (kind) {
     case Access::Kind::kAttributes:
       return counts.attributes;
@@ -28,6 +29,8 @@ std::uint64_t record_count(const ImageCounts& counts, Access::Kind kind) {
       return counts.triangles;
     case Access::Kind::kInstance:
       return counts.instances;
+    case Access::Kind::kStored:
+      return limits.stored_words;
     case Access::Kind::kTexels:
       break;
   }
@@ -113,15 +116,16 @@ void AccessReader::read_shapes(ByteReader& from) {
   }
 }
 
-Access AccessReader::read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank) {
+Access AccessReader::read_access(ByteReader& from, const AccessLimits& limits, std::uint32_t kind, std::uint32_t rank) {
   Access& last = last_.of[kind][rank];
   if (static_cast<Access::Kind>(kind) != Access::Kind::kTexels) {
-    const std::uint64_t count = record_count(counts, static_cast<Access::Kind>(kind));
+    const std::uint64_t count = record_count(limits, static_cast<Access::Kind>(kind));
     if (count == 0) ByteReader::throw_out_of_range("an accessed record");
     last = Access::of_kind(static_cast<Access::Kind>(kind),
                            from.read_difference_from(last.element, count - 1, "an accessed record"));
     return last;
   }
+  const ImageCounts& counts = limits.counts;
   if (counts.textures.empty()) ByteReader::throw_out_of_range("an accessed texture");
   const std::uint32_t texture =
       from.read_difference_from(last.texture(), counts.textures.size() - 1, "an accessed texture");
@@ -134,7 +138,7 @@ Access AccessReader::read_access(ByteReader& from, const ImageCounts& counts, st
   return last;
 }
 
-void AccessReader::read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work) {
+void AccessReader::read_launch(ByteReader& from, const AccessLimits& limits, std::uint32_t items, TileWork& work) {
   read_shapes(from);
   const std::uint32_t shapes = static_cast<std::uint32_t>(shape_begin_.size()) - 1;
   shape_of_.clear();
@@ -148,7 +152,7 @@ void AccessReader::read_launch(ByteReader& from, const ImageCounts& counts, std:
     const std::uint32_t shape = shapes > 1 ? shape_of_[item] : 0;
     work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
     for (std::uint32_t a = shape_begin_[shape]; a < shape_begin_[shape + 1]; ++a) {
-      work.accesses.push_back(read_access(from, counts, kinds_[a], ranks_[a]));
+      work.accesses.push_back(read_access(from, limits, kinds_[a], ranks_[a]));
     }
   }
 }

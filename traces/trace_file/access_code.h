@@ -16,8 +16,8 @@ namespace traces {
 
 /// Largest number of shapes (lists of access kinds) of a launch, and of accesses of an item.
 inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
-inline constexpr std::size_t kAccessKinds = 7;
-static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
+inline constexpr std::size_t kAccessKinds = 8;
+static_assert(static_cast<std::size_t>(Access::Kind::kStored) + 1 == kAccessKinds);
 
 /// The tile's previous access of each kind and rank: rank k is the kth access of its kind within an item.
 struct LastAccesses {
@@ -39,17 +39,23 @@ class AccessWriter {
   std::vector<std::uint32_t> shape_of_;  ///< for each item, the number of its shape
 };
 
+/// Numbers of the elements that accesses can name.
+struct AccessLimits {
+  const ImageCounts& counts;
+  std::uint64_t stored_words = 0;  ///< 4-byte words of region kSamples
+};
+
 /// Decodes the memory accesses that AccessWriter has encoded.
 class AccessReader {
  public:
   void begin_tile() { last_ = {}; }
   /// Decodes and appends a launch's accesses, for `items` items. Throws InputError if they are missing or exceed
-  /// `counts`.
-  void read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
+  /// `limits`.
+  void read_launch(ByteReader& from, const AccessLimits& limits, std::uint32_t items, TileWork& work);
 
  private:
   void read_shapes(ByteReader& from);
-  Access read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank);
+  Access read_access(ByteReader& from, const AccessLimits& limits, std::uint32_t kind, std::uint32_t rank);
 
   LastAccesses last_;
   std::vector<std::uint8_t> kinds_, ranks_;  ///< kind and rank of each access of all shapes, one shape after the other

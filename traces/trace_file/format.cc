@@ -1,5 +1,8 @@
 #include "traces/trace_file/format.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "sim/io/json.h"
 #include "traces/trace_file/bytes.h"
 #include "traces/walk.h"
@@ -11,6 +14,7 @@ constexpr std::uint64_t kMaxRegionBytes = std::uint64_t{1} << 40;
 constexpr std::uint64_t kMaxAttributeBytes = 0xffffffffU;
 constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 28;
 constexpr std::uint64_t kMaxRasterRecords = std::uint64_t{1} << 30;
+constexpr std::size_t kFirstBuildRegion = static_cast<std::size_t>(Region::kBuild);
 constexpr std::uint32_t kMaxTextureSide = 1U << 16;
 
 }  // namespace
@@ -31,12 +35,21 @@ Json to_json(const ImageCounts& c) {
 }
 
 Json to_json(const FrameRequirements& d) {
-  Json json{{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
+  // Regions for building trees are left out if they are empty.
+  std::vector<std::uint64_t> regions(d.region_bytes.begin(), d.region_bytes.end());
+  while (regions.size() > kFirstBuildRegion && regions.back() == 0) regions.pop_back();
+  Json json{{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", regions}};
   if (d.wave_samples != 0) json["wave_samples"] = d.wave_samples;
   if (d.pass_attribute_bytes != 0) json["pass_attribute_bytes"] = d.pass_attribute_bytes;
   if (d.raster) {
     json["raster"] = {
         {"vertices", d.raster->vertices}, {"triangles", d.raster->triangles}, {"entries", d.raster->entries}};
+  }
+  if (d.build) {
+    json["build"] = {{"vertices", d.build->vertices},
+                     {"triangles", d.build->triangles},
+                     {"instances", d.build->instances},
+                     {"shadow_bytes", d.build->shadow_bytes}};
   }
   return json;
 }
@@ -67,7 +80,8 @@ FrameRequirements requirements_of_json(const Json& json) {
                       static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
                       optional_at("pass_attribute_bytes", kMaxAttributeBytes),
                       {}};
-  for (std::size_t i = 0; i < kRegionCount; ++i) {
+  const std::size_t regions = std::clamp(json.at("region_bytes").size(), kFirstBuildRegion, kRegionCount);
+  for (std::size_t i = 0; i < regions; ++i) {
     d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");
   }
   if (json.contains("raster")) {
@@ -75,6 +89,13 @@ FrameRequirements requirements_of_json(const Json& json) {
       return static_cast<std::uint32_t>(number_at(json.at("raster"), key, kMaxRasterRecords));
     };
     d.raster = RasterArraySizes{count("vertices"), count("triangles"), count("entries")};
+  }
+  if (json.contains("build")) {
+    const Json& build = json.at("build");
+    d.build = BuildArraySizes{static_cast<std::uint32_t>(number_at(build, "vertices", kMaxRasterRecords)),
+                              static_cast<std::uint32_t>(number_at(build, "triangles", kMaxTriangles)),
+                              static_cast<std::uint32_t>(number_at(build, "instances", kMaxInstances)),
+                              number_at(build, "shadow_bytes", kMaxRegionBytes)};
   }
   return d;
 }

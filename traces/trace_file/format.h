@@ -35,9 +35,12 @@ inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
-/// Returns the largest encoded size of a tile: 64 KiB per sample. Real tiles need 100 to 500 bytes per sample.
+/// Returns the largest encoded size of a tile: 64 KiB per sample, and 32 bytes per triangle of a tree to be built. Real
+/// tiles need 100 to 500 bytes per sample, real trees 8 bytes per triangle.
 constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
-  return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
+  const std::uint64_t built = requirements.build ? std::uint64_t{32} * requirements.build->triangles : 0;
+  return std::min<std::uint64_t>(kMaxTileBytes,
+                                 (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples + built);
 }
 
 inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;

@@ -134,6 +134,82 @@ void read_raster(ByteReader& from, const RasterArraySizes& demands, const WorkNo
   if (listed != entries) throw sim::InputError("lists have not as many entries as triangles are in them");
 }
 
+// Encoding of the work of the tree builder.
+
+void write_build_job(const BuildWork& job, ByteWriter& to) {
+  to.write_byte(static_cast<std::uint32_t>(job.input));
+  to.write_byte(job.refit ? 1 : 0);
+  to.write_number(job.first_item);
+  to.write_number(job.comparisons);
+  for (const BuildWork::Range& range : job.output) {
+    to.write_number(range.offset);
+    to.write_number(range.bytes);
+  }
+}
+
+/// Decodes the job of a kBuild node and adds it to TileWork::build. Throws InputError, without a file name, if the job
+/// exceeds `sizes`.
+void read_build_job(ByteReader& from, const BuildArraySizes& sizes, WorkNode& node, TileWork& work) {
+  constexpr const char* kWhat = "the building of a tree";
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
+  BuildWork job;
+  job.input = static_cast<BuildWork::Input>(from.read_byte());
+  if (job.input > BuildWork::Input::kInstances) ByteReader::throw_out_of_range(kWhat);
+  const std::uint32_t refit = from.read_byte();
+  if (refit > 1) ByteReader::throw_out_of_range(kWhat);
+  job.refit = refit != 0;
+  const std::uint32_t most = job.input == BuildWork::Input::kTriangles ? sizes.triangles : sizes.instances;
+  job.first_item = from.read_number32(most, kWhat);
+  job.comparisons = from.read_number(kMostBytes, kWhat);
+  if (node.items > most - job.first_item) ByteReader::throw_out_of_range(kWhat);
+  for (BuildWork::Range& range : job.output) {
+    range.offset = from.read_number(kMostBytes, kWhat);
+    range.bytes = from.read_number(kMostBytes, kWhat);
+  }
+  node.first = static_cast<std::uint32_t>(work.build.size());
+  work.build.push_back(job);
+}
+
+/// Encodes the triangles of a kBuild node: vertices in input order, then input numbers in leaf order.
+void write_build_triangles(const TileWork& work, const WorkNode& node, ByteWriter& to) {
+  const BuildWork& job = work.build[node.first];
+  if (job.input != BuildWork::Input::kTriangles) return;
+  std::uint32_t last = 0;
+  for (std::uint32_t i = job.first; i < job.first + node.items; ++i) {
+    for (const std::uint32_t vertex : work.build_triangles[i]) {
+      to.write_difference(signed_difference(last, vertex));
+      last = vertex;
+    }
+  }
+  last = 0;
+  for (std::uint32_t i = job.first; i < job.first + node.items; ++i) {
+    to.write_difference(signed_difference(last, work.build_order[i]));
+    last = work.build_order[i];
+  }
+}
+
+void read_build_triangles(ByteReader& from, const BuildArraySizes& sizes, const WorkNode& node, TileWork& work) {
+  BuildWork& job = work.build[node.first];
+  if (job.input != BuildWork::Input::kTriangles) return;
+  constexpr std::uint32_t kBytes = 4;  // fewest bytes of a triangle
+  if (node.items > from.bytes_left() / kBytes) ByteReader::throw_out_of_range("triangles of a tree");
+  job.first = static_cast<std::uint32_t>(work.build_triangles.size());
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < node.items; ++i) {
+    std::array<std::uint32_t, 3>& triangle = work.build_triangles.emplace_back();
+    for (std::uint32_t& vertex : triangle) {
+      vertex = last = from.read_difference_from(last, sizes.vertices, "vertex of a triangle");
+      if (vertex == sizes.vertices) ByteReader::throw_out_of_range("vertex of a triangle");
+    }
+  }
+  last = 0;
+  for (std::uint32_t i = 0; i < node.items; ++i) {
+    last = from.read_difference_from(last, node.items, "number of a triangle");
+    if (last == node.items) ByteReader::throw_out_of_range("number of a triangle");
+    work.build_order.push_back(last);
+  }
+}
+
 // The following functions check that any machine can execute a decoded tile. They throw InputError, without a file
 // name.
 
@@ -234,6 +310,9 @@ void write_node(const TileWork& work, std::uint32_t node_index, ByteWriter& to) 
     case WorkNode::Kind::kRaster:
       write_raster_counts(work, node, to);
       break;
+    case WorkNode::Kind::kBuild:
+      write_build_job(work.build[node.first], to);
+      break;
   }
   to.write_number(node.inputs.size());
   for (const Edge& edge : node.inputs)
@@ -312,6 +391,7 @@ void TileEncoder::encode_tile(const TileWork& work, const Links& links, std::str
     if (mapped) write_sources(work, node, to);
     if (loads) accesses_.write_launch(work, node, out);
     if (node.raster != WorkNode::kNone) write_raster(work, node, to);
+    if (node.kind == WorkNode::Kind::kBuild) write_build_triangles(work, node, to);
     rays += traces ? node.items : 0;
     items += loads ? node.items : 0;
   }
@@ -359,8 +439,9 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
 void TileDecoder::read_kind(ByteReader& from, const TileScope& scope, WorkNode& node) {
   const std::uint32_t kind = from.read_byte();
   const WorkNode::Kind last = scope.raster ? WorkNode::Kind::kRaster : WorkNode::Kind::kTransfer;
-  if (kind > static_cast<std::uint32_t>(last)) ByteReader::throw_out_of_range("kind of a node");
   node.kind = static_cast<WorkNode::Kind>(kind);
+  if (scope.build && node.kind == WorkNode::Kind::kBuild) return;
+  if (kind > static_cast<std::uint32_t>(last)) ByteReader::throw_out_of_range("kind of a node");
 }
 
 void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
@@ -368,6 +449,9 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   work.raster.clear();
   work.raster_triangles.clear();
   work.list_runs.clear();
+  work.build.clear();
+  work.build_triangles.clear();
+  work.build_order.clear();
   const std::uint32_t nodes =
       from.read_number32(std::min<std::uint64_t>(from.bytes_left() / 3, kMaxTileNodes), "number of nodes");
   if (nodes == 0) ByteReader::throw_out_of_range("number of nodes");
@@ -390,6 +474,10 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
       case WorkNode::Kind::kBin:
       case WorkNode::Kind::kRaster:
         read_raster_counts(from, node, work);
+        break;
+      case WorkNode::Kind::kBuild:
+        if (nodes != 1) ByteReader::throw_out_of_range("number of nodes");
+        read_build_job(from, *scope.build, node, work);
         break;
     }
     read_inputs(from, n, work);
@@ -418,6 +506,7 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
   }
   read_nodes(from, scope, work);
   work.accesses.clear();
+  work.ray_keys.clear();
   work.access_begin.clear();
   work.sources.clear();
   accesses_.begin_tile();
@@ -433,13 +522,17 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
         work.sources.push_back(static_cast<std::uint32_t>(source));
       }
     }
-    if (node.has_accesses) accesses_.read_launch(from, scope.counts, node.items, work);
+    if (node.has_accesses) {
+      const std::uint64_t stored = scope.region_bytes[static_cast<std::size_t>(Region::kSamples)] / kStoredWordBytes;
+      accesses_.read_launch(from, {scope.counts, stored}, node.items, work);
+    }
     if (node.raster != WorkNode::kNone) {
       RasterWork& job = work.raster[node.raster];
       job.first_triangle = static_cast<std::uint32_t>(work.raster_triangles.size());
       job.first_run = static_cast<std::uint32_t>(work.list_runs.size());
       read_raster(from, *scope.raster, node, work);
     }
+    if (node.kind == WorkNode::Kind::kBuild) read_build_triangles(from, *scope.build, node, work);
   }
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 

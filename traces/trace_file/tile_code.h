@@ -31,6 +31,7 @@ struct TileScope {
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
   std::optional<RasterArraySizes> raster{};  ///< present if the trace has a rasteriser
+  std::optional<BuildArraySizes> build{};    ///< present if the trace has work for a tree builder
   std::uint64_t tile_bytes = kMaxTileBytes;  ///< largest encoded size of the tile
   bool look_ups = false;                     ///< walks may begin with look-ups of predicted nodes
 };

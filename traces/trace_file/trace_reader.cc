@@ -145,6 +145,7 @@ TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const
             kernels,
             part.requirements.region_bytes,
             part.requirements.raster,
+            part.requirements.build,
             most_tile_bytes(part.requirements)};
   });
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "shader_kernels/programs/wavefront/sampling.h"
@@ -11,6 +12,7 @@
 namespace kernels {
 
 using traces::FrameRequirements;
+struct DenoiseHistory;  // programs/denoise/history.h
 
 /// Number of tiles of a picture, across and down.
 struct TileGridSize {
@@ -53,6 +55,8 @@ class FrameProgram {
   /// Moves the picture out after the last tile of a frame. The next tile begins a new picture.
   virtual std::vector<float> move_picture_out() { return std::move(picture_); }
   virtual const Sampling& sampling() const { return sampling_; }
+  /// Returns what the denoiser of the next frame needs of this one, after the last tile; null without a denoiser.
+  virtual std::shared_ptr<const DenoiseHistory> make_history() const { return nullptr; }
   /// Makes commit_tile() store the debug marks of samples.
   virtual void enable_marks() { keeps_marks_ = true; }
   /// Returns the debug marks of all samples of the frame, row by row. Empty if the program makes no marks or does not

@@ -13,9 +13,9 @@
 namespace kernels {
 
 /// Light effects for which surfaces emit rays (docs/design/effects.md).
-enum class Effect : std::uint8_t { kShadows, kReflections, kRefractions, kOcclusion, kSoftShadows, kCount };
+enum class Effect : std::uint8_t { kShadows, kReflections, kRefractions, kOcclusion, kSoftShadows, kBounce, kCount };
 constexpr std::array<std::string_view, static_cast<std::size_t>(Effect::kCount)> names_of(Effect) {
-  return {"shadows", "reflections", "refractions", "occlusion", "soft_shadows"};
+  return {"shadows", "reflections", "refractions", "occlusion", "soft_shadows", "bounce"};
 }
 
 class Effects {
@@ -55,6 +55,10 @@ constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kerne
 enum class EffectRate : std::uint8_t { kFull, kHalf, kCheckerboard };
 constexpr std::array<std::string_view, 3> names_of(EffectRate) { return {"full", "half", "checkerboard"}; }
 
+/// Reflections of rough surfaces: a smooth mirror's that fades with roughness, or those of GGX microfacets.
+enum class RoughReflections : std::uint8_t { kMirror, kGgx };
+constexpr std::array<std::string_view, 2> names_of(RoughReflections) { return {"mirror", "ggx"}; }
+
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
@@ -75,6 +79,7 @@ struct RenderConfig {
   traces::RasterConfig raster;
   std::string effects = "shadows, reflections, refractions";
   EffectRate effect_rate = EffectRate::kFull;
+  RoughReflections rough_reflections = RoughReflections::kMirror;
   std::uint32_t occlusion_rays = 4;
   double occlusion_distance = 0.1;
   std::uint32_t shadow_rays = 4;
@@ -126,13 +131,20 @@ struct RenderConfig {
   }
   static void describe_effects(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.effects), "",
-          "effects for which rays are traced after the first hit, separated by commas, or none: shadows, reflections, "
-          "refractions, occlusion (of ambient light), soft_shadows (instead of shadows)",
-          sim::any(), Affects::kFunction);
+    field(
+        NAMED(c.effects), "",
+        "effects for which rays are traced after the first hit, separated by commas, or none: shadows, reflections, "
+        "refractions, occlusion (of ambient light), soft_shadows (instead of shadows), bounce (a diffuse ray from the "
+        "first hit, instead of ambient light)",
+        sim::any(), Affects::kFunction);
     field(NAMED(c.effect_rate), "",
-          "pixels whose first hits emit rays for occlusion and soft_shadows: all, one of 2 x 2, or every other one; a "
+          "pixels whose first hits emit rays for occlusion, soft_shadows and bounce: all, one of 2 x 2, or every other "
+          "one; a "
           "filter by depth and normal supplies the others",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.rough_reflections), "",
+          "reflections of rough glTF surfaces: a smooth mirror's, which fade with roughness, or one ray by the GGX "
+          "distribution",
           sim::any(), Affects::kFunction);
     field(NAMED(c.occlusion_rays), "rays", "occlusion rays per diffuse surface", sim::between(1, 64),
           Affects::kFunction);
@@ -144,10 +156,14 @@ struct RenderConfig {
           "radius of every light's disc, with the effect soft_shadows; directional lights are one scene diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
-  /// True if the frame has occlusion or soft shadows, the effects whose rays may be traced at only some pixels.
+  /// True if the frame has occlusion, soft shadows or a bounce, the effects whose rays may be traced at only some
+  /// pixels.
   bool has_low_rate_effects() const {
     const Effects all = parse_effects(effects);
-    return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);
+    return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows) || all.has(Effect::kBounce);
+  }
+  traces::Roughness roughness() const {
+    return rough_reflections == RoughReflections::kGgx ? traces::Roughness::kOn : traces::Roughness::kOff;
   }
   void check(auto&& complain) const {
     try {
@@ -155,9 +171,17 @@ struct RenderConfig {
     } catch (const sim::InputError& error) {
       return complain("effects", error.what());
     }
+    const Effects all = parse_effects(effects);
+    if (all.has(Effect::kBounce)) {
+      if (all.has(Effect::kOcclusion)) complain("effects", "has bounce and occlusion; allowed: one of them");
+      if (effect_rate == EffectRate::kFull) {
+        complain("effect_rate", "is full, and effects has bounce; allowed: half, checkerboard, or the program path:N");
+      }
+      if (depth < 2) complain("depth", "is 1, and effects has bounce; allowed: 2 or more");
+    }
     if (effect_rate != EffectRate::kFull && !has_low_rate_effects()) {
       complain("effect_rate",
-               "is that of occlusion and soft_shadows, and effects has neither; allowed: full, or one of these in "
+               "is that of occlusion, soft_shadows and bounce, and effects has none; allowed: full, or one of these in "
                "effects");
     }
   }

@@ -132,6 +132,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_secondary = (flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0) ||
                   (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0);
   occlusion_rays = effects.has(Effect::kOcclusion) ? config.occlusion_rays : 0;
+  has_bounce = effects.has(Effect::kBounce);
   is_checkerboard = config.effect_rate == EffectRate::kCheckerboard;
   const bool is_soft = effects.has(Effect::kSoftShadows);
   shadow_rays = is_soft ? config.shadow_rays : effects.has(Effect::kShadows) ? 1 : 0;

@@ -55,6 +55,7 @@ struct SceneTables {
   Effects effects;
   std::uint32_t occlusion_rays;  ///< number of occlusion rays per surface; 0: no ambient occlusion
   std::uint32_t shadow_rays;     ///< number of shadow rays per surface and light; 0: no shadows
+  bool has_bounce;               ///< first hits emit a diffuse ray (effect bounce)
   bool is_checkerboard;          ///< effects are traced on a checkerboard (RenderConfig::effect_rate)
   bool has_details;              ///< some surface belongs to a queue that classify_details fills
   bool dma_encodes;              ///< the DMA encodes sRGB (RenderConfig::srgb)
@@ -68,10 +69,10 @@ struct SceneTables {
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
   /// True if ambient light is not occluded and each light casts one shadow ray.
   bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
-  /// Returns the number of light sources, counting ambient light, whose occlusion or soft-shadow rays may be traced at
+  /// Returns the number of light sources, counting ambient light, whose rays may be traced at
   /// only some pixels.
   std::uint32_t low_rate_light_count() const {
-    return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
+    return (occlusion_rays != 0 || has_bounce ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }
   /// Returns the number of launches that light a surface from one light source.
   std::uint32_t launches_per_light() const { return std::max(1U, shadow_rays); }

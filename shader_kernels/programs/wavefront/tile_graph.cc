@@ -13,6 +13,7 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
     : work_(work), spare_(spare), on_(on) {
   work.walk.clear();
   work.ray_begin.clear();
+  work.ray_keys.clear();
   work.accesses.clear();
   work.access_begin.clear();
   work.sources.clear();
@@ -20,6 +21,9 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
   work.raster.clear();
   work.raster_triangles.clear();
   work.list_runs.clear();
+  work.build.clear();
+  work.build_triangles.clear();
+  work.build_order.clear();
   work.after_all = false;
 }
 
@@ -86,6 +90,12 @@ StreamBuilder::Node StreamBuilder::add_rasterisation(std::uint32_t samples, Node
 StreamBuilder::Node StreamBuilder::add_binning(std::uint32_t triangles) {
   if (!is_enabled()) return kNone;
   add_node(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::add_build(std::uint32_t items) {
+  if (!is_enabled()) return kNone;
+  add_node(WorkNode::Kind::kBuild, items).first = static_cast<std::uint32_t>(work_.build.size() - 1);
   return count_ - 1;
 }
 

@@ -134,6 +134,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     stage_queue_array<&Q::glowing>("glowing", "glowing_count"),
     stage_queue_array<&Q::occluded>("occluded", "occluded_count"),
     stage_queue_array<&Q::layers>("layers", "layer_count"),
+    stage_queue_array<&Q::rough>("rough", "rough_count"),
     stage_queue_array<&Q::targets>("targets", ""),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::points>("places"),
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::mattes>("mattes"),
@@ -142,6 +143,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     buffer_array<&TileBuffer::surfaces, &HitSurfaces::tangents>("tangents"),
     buffer_array<&TileBuffer::samples, &SampleRecords::colours>("colours"),
     buffer_array<&TileBuffer::samples, &SampleRecords::geometry>("geometry"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::seeds>("seeds"),
     buffer_array<&TileBuffer::samples, &SampleRecords::secondary>("secondary"),
     buffer_array<&TileBuffer::samples, &SampleRecords::kept>("kept"),
     buffer_array<&TileBuffer::samples, &SampleRecords::globals>("globals"),
@@ -160,6 +162,18 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     buffer_array<&TileBuffer::filters, &FilterRecords::visible>("visible"),
     buffer_array<&TileBuffer::filters, &FilterRecords::lights>("lights"),
     buffer_array<&TileBuffer::filters, &FilterRecords::ratios>("ratios"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guides>("guides"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guide_words>("guide_words"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_light>("light"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::light>("light"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_filtered>("filtered"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::filtered>("filtered"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::half_moments>("moments"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::moments>("moments"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::motions>("motions"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::albedos>("albedos"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::taps>("taps"),
+    buffer_array<&TileBuffer::denoise, &DenoiseRecords::guide_taps>("guide_taps"),
     tile_array<&TileResult::linear>("pixels"),
     tile_array<&TileResult::packed>("packed"),
     image_array<&traces::MemoryImage::attributes>("attributes"),
@@ -172,6 +186,8 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     scene_array<&SceneTables::axes>("axes"),
     scene_array<&SceneTables::levels>("levels"),
     scene_array<&SceneTables::srgb_codes>("srgb_codes"),
+    scene_array<&SceneTables::lights>("light_table"),
+    scene_array<&SceneTables::discs>("disc_table"),
 });
 
 }  // namespace port_arrays
@@ -281,6 +297,9 @@ class StreamBuilder {
   Node add_rasterisation(std::uint32_t samples, Node launch);
   /// Adds a node that bins triangles to screen regions. The last entry of TileWork::raster describes the binning.
   Node add_binning(std::uint32_t triangles);
+  /// Adds a node that builds a tree over `items` triangles or instances, as the last entry of TileWork::build
+  /// describes.
+  Node add_build(std::uint32_t items);
   /// Adds a transfer of samples to memory. Border `number` of the tile is complete when the transfer has ended.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a transfer of samples from memory. The transfer waits until another tile has written its border.
@@ -368,9 +387,10 @@ class TileGraph {
 
   StreamBuilder& stream_builder() { return stream_; }
 
- private:
+  /// Returns the list that receives the accesses of cached ports; null if nothing is recorded.
   std::vector<traces::Access>* access_log() { return stream_.is_enabled() ? &out_.work.accesses : nullptr; }
 
+ private:
   const SceneTables& scene_;
   TileResult& out_;
   TileScratch& scratch_;

@@ -28,7 +28,7 @@ void RaySlots::reserve_slots(std::size_t slots) {
 
 void StageQueues::clear_surfaces() {
   for (SlotQueue* queue : {&textured, &diffuse, &mirror, &glass, &emissive, &deferred, &absorbing, &vertexed, &based,
-                           &physical, &bumped, &blended, &glowing, &occluded}) {
+                           &physical, &bumped, &blended, &glowing, &occluded, &rough}) {
     queue->items = 0;
   }
 }
@@ -59,6 +59,12 @@ void TileBuffer::reserve_layers(std::size_t slots) {
   grow_to(queues.layers, slots);
   grow_to(queues.targets, slots);
   rays.layer.reserve_slots(slots + 1);
+}
+
+void TileBuffer::reserve_paths(std::size_t slots) {
+  grow_to(queues.blended, slots);
+  grow_to(queues.rough, slots);
+  grow_to(samples.seeds, slots);
 }
 
 void TileBuffer::reserve_samples(std::size_t sample_count) {
@@ -95,10 +101,42 @@ void TileBuffer::reserve_visible(std::size_t record_count, std::size_t pixels) {
 
 void TileBuffer::reserve_low_rate(std::size_t sample_count, std::size_t light_count) {
   grow_to(filters.visible, sample_count);
-  grow_to(samples.colours, sample_count);
+  grow_to(samples.colours, 2 * sample_count);  // the second half collects the light of diffuse rays
   grow_to(checks.passed, sample_count);
   grow_to(filters.lights, sample_count * light_count);
   grow_to(filters.ratios, sample_count * light_count);
+}
+
+void TileBuffer::reserve_denoise(std::size_t sample_count, std::size_t pixels) {
+  DenoiseRecords& d = denoise;
+  grow_to(d.guides, sample_count);
+  grow_to(d.guide_words, pixels);
+  grow_to(d.half_light, pixels);
+  grow_to(d.half_filtered, pixels);
+  grow_to(d.light, pixels);
+  grow_to(d.filtered, pixels);
+  grow_to(d.half_moments, pixels);
+  grow_to(d.moments, pixels);
+  grow_to(d.motions, pixels);
+  grow_to(d.albedos, pixels);
+  grow_to(d.taps, pixels);
+  grow_to(d.guide_taps, pixels);
+}
+
+void TileResult::clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry) {
+  tile = entry;
+  x = y = width = height = 0;
+  rays = {};
+  continued = traversal_steps = triangle_tests = 0;
+  pixel_work.clear();
+  linear.clear();
+  packed.clear();
+  marks.clear();
+  background.clear();
+  sampling = {};
+  work.frame = frame;
+  work.tile = entry;
+  work.samples = 0;
 }
 
 glm::vec3 TileResult::averaged_colour(std::uint32_t sample) const {

@@ -49,6 +49,7 @@ struct StageQueues {
   SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for kernels of their other classes
   SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< surfaces by rarer class, from classify_details
   SlotQueue glowing, occluded;                                      ///< surfaces by rarer class, from classify_details
+  SlotQueue rough;                                                  ///< surfaces that GGX microfacets reflect
   SlotQueue layers;   ///< ray slots whose hits must be tested for transparency
   SlotQueue targets;  ///< ray slots that receive the hits of continuing rays
   /// Empties all queues of surfaces.
@@ -70,6 +71,7 @@ struct SampleRecords {
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
+  std::vector<std::uint32_t> seeds;          ///< seeds of random numbers (path programs)
   std::vector<ColourRecord<float>> globals;  ///< global colours of samples: without light from lights at the first hit
 };
 
@@ -100,6 +102,18 @@ struct FilterRecords {
   std::vector<RatioRecord<float>> ratios;   ///< visible fraction of each light (UpsampledProgram)
 };
 
+/// Data of the denoiser: guides of samples, then packed records of pixels, in the precision of the history.
+struct DenoiseRecords {
+  std::vector<GuideRecord<float>> guides;
+  std::vector<GuideWords<float>> guide_words;
+  std::vector<HalfLightRecord<float>> half_light, half_filtered;
+  std::vector<LightRecord<float>> light, filtered;
+  std::vector<std::uint32_t> half_moments, motions, albedos;
+  std::vector<MomentsRecord<float>> moments;
+  std::vector<LightRecord<float>> taps;  ///< unpacked pixels of a tile and its halo
+  std::vector<GuideTapRecord<float>> guide_taps;
+};
+
 /// Traversal work of the rays of one pixel.
 struct PixelWork {
   std::uint32_t pixel = 0;  ///< index of the pixel in the picture, row by row
@@ -124,12 +138,14 @@ struct TileBuffer {
   CheckRecords checks;
   SubpixelRecords subpixels;
   FilterRecords filters;
+  DenoiseRecords denoise;
   TileScratch scratch;
 
   /// Grows the arrays of a wave to `slots` ray slots.
   void reserve_wave(std::size_t slots);
   void reserve_details(std::size_t slots);
   void reserve_layers(std::size_t slots);
+  void reserve_paths(std::size_t slots);  ///< grows the arrays of the program path:N
   void reserve_samples(std::size_t sample_count);
   /// Grows the arrays of the program supersample. `centres`: centre samples of a tile and its halo; `pixels`: pixels of
   /// a tile.
@@ -140,6 +156,8 @@ struct TileBuffer {
   /// Grows the arrays for effects that are traced at only some pixels, to `sample_count` samples and `light_count`
   /// lights.
   void reserve_low_rate(std::size_t sample_count, std::size_t light_count);
+  /// Grows the arrays of the denoiser, to `sample_count` guides and `pixels` pixels of a tile and its halo.
+  void reserve_denoise(std::size_t sample_count, std::size_t pixels);
 };
 
 using traces::kPixelBytes;
@@ -183,6 +201,8 @@ struct TileResult {
   TileBuffer buffer;
   /// Returns a sample's colour, clamped to [0, 1]. A pixel is the mean of sample colours that are clamped in this way.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
+  /// Makes this the result of an entry that renders no pixels, numbered as a tile after those of the frame.
+  void clear_for_pass_entry(std::uint32_t frame, std::uint32_t entry);
 };
 
 /// Number of loop iterations that a kernel has run, including iterations without work.

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "shader_kernels/programs/wavefront/guides.h"
 #include "traces/walk.h"
 
 namespace kernels {
@@ -23,7 +24,12 @@ constexpr float kLeastLight = 0x1p-5F;
 }  // namespace
 
 WaveTracer::WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out)
-    : scene_(scene), tracer_(tracer), graph_(graph), out_(out), buffer_(out.buffer) {
+    : scene_(scene),
+      tracer_(tracer),
+      graph_(graph),
+      out_(out),
+      buffer_(out.buffer),
+      key_grid_(scene.image.lower, scene.image.upper) {
   out.rays = {};
   out.continued = 0;
   out.traversal_steps = out.triangle_tests = 0;
@@ -61,6 +67,11 @@ WaveTracer::Node WaveTracer::trace_rays_once(RayKind kind, RaySlots& slots, std:
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin, out_.predictions};
   tracer_.trace(std::span(slots.rays).subspan(first, ray_count), kind, std::span(slots.hits).subspan(first, ray_count),
                 graph_.is_recording() ? &sink : nullptr);
+  if (graph_.is_recording()) {
+    for (const traces::Ray& ray : std::span(slots.rays).subspan(first, ray_count)) {
+      out_.work.ray_keys.push_back(key_grid_.key_of(ray));
+    }
+  }
   if (graph_.is_muted()) return TileGraph::kNone;
   count_traversal_steps(first_ray, std::span(slots.paths).subspan(first, ray_count));
   const Node node = graph_.stream_builder().add_rays(kind, ray_count, rays_traced_, maker, is_mapped);
@@ -188,7 +199,7 @@ constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
     {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
     {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
     {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_physical, WaitsFor::kBounce, kFillsQueues},
     {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
     {&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues | kEndsSurfaces},
@@ -200,7 +211,7 @@ constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::absorbing, launch<Absorb>, WaitsFor::kBounce, kFillsQueues},
     {&Q::vertexed, launch_by_instances<FetchVertices>, WaitsFor::kBounce, kFillsQueues},
     {&Q::based, launch_by_mips<ShadeBase>, WaitsFor::kBounce, kFillsQueues},
-    {&Q::physical, launch_by_mips<ShadePhysical>, WaitsFor::kBounce, kFillsQueues},
+    {&Q::physical, launch_physical, WaitsFor::kBounce, kFillsQueues},
     {&Q::bumped, launch_by_mips<ShadeBump>, WaitsFor::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, WaitsFor::kBounce, kFillsQueues},
 });
@@ -250,21 +261,18 @@ constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, WaitsFor::kB
 constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, WaitsFor::kBounce, kCastsRays};
 
 // Stages for interpolated surfaces, whose shadows are already known.
-
 constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, WaitsFor::kInspector, kFillsQueues};
 constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, WaitsFor::kInspector, kFillsQueues};
 constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, WaitsFor::kBounce, kAddsColours};
 
 // Stages that emit the rays of the next wave.
-
 constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, &WaveBounce::straight, std::nullopt},
-    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
+    {&Q::mirror, launch_mirror, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
     {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, &WaveBounce::refracted, Effect::kRefractions},
 });
 
 // Stages that record a sample's hits and shadow rays.
-
 /// Records the secondary hit whose ray has the largest weight in its sample. The weights of all rays are compared
 /// first, because the ray with the largest weight may hit nothing.
 template <bool kInstanced>
@@ -365,6 +373,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     shade_surfaces(bounce);
     if (is_shaded()) {
       run_stage(kTextures, bounce, buffer.queues.textured);
+      if (retained.guides != nullptr && bounce.depth == 1) run_stage(kGuides, bounce, buffer.queues.surfaces);
       run_stages(kEmission, bounce);
       uses_low_rate_effects(bounce) ? shade_low_rate_effects(bounce) : shade_local_lights(bounce);
     } else if (wave_.retained.visible.have_shadows && wave_.scene.shadow_rays != 0) {
@@ -412,7 +421,7 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
   if (scene.has_details) buffer.reserve_details(bounce.rays);
   // Surfaces are not lit immediately if a sample has two rays in the wave and light may be deferred, because the lights
   // would be added in another order.
-  const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
+  const bool has_light = !kept.is_path && (!scene.lights.empty() || scene.occlusion_rays != 0);
   const bool is_lit = is_shaded() && scene.fuses && has_light && !uses_low_rate_effects(bounce) &&
                       (bounce.is_single || !scene.has_deferred);
   if (is_lit) {
@@ -443,9 +452,9 @@ void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce
 }
 
 /// Launches a shading stage on a queue. Traces the rays that the stage emits and adds their light.
-void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
+Node Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
                           std::uint32_t ray) {
-  if (queue.items == 0) return;
+  if (queue.items == 0) return kNone;
   RaySlots& shadow = wave_.buffer.rays.shadow;
   if (stage.has(kCastsRays)) shadow.reserve_slots(std::size_t{queue.items} + 1);
   const LaunchResult launched = stage.launch(wave_, bounce,
@@ -472,6 +481,7 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
   }
   if (stage.has(kEndsSurfaces)) record_hits(bounce);
   if (launched.rays != 0) combine_shadows(bounce, light, batch, launched.rays, !stage.has(kCastsAmbientRays));
+  return node;
 }
 
 void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
@@ -483,12 +493,9 @@ void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
 
 /// Makes `node` wait for a batch of rays: item by item, unless rays continued after transparent surfaces.
 void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
-  if (batch.settled == kNone) {
-    graph_.wait_item_by_item(node, batch.rays);
-  } else {
-    graph_.wait_for_all(node, batch.rays);
-    graph_.wait_for_all(node, batch.settled);
-  }
+  if (batch.settled == kNone) return graph_.wait_item_by_item(node, batch.rays);
+  graph_.wait_for_all(node, batch.rays);
+  graph_.wait_for_all(node, batch.settled);
 }
 
 /// Adds ambient light and all lights to diffuse surfaces. At surfaces that a fused stage has lit, ambient light and the
@@ -557,83 +564,6 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
   if (kept != nullptr) combine(kept->shadows, false, true);
 }
 
-/// Lights first hits if occlusion and soft shadows are traced at only some pixels: every sample stores its unoccluded
-/// light, and only the selected samples cast rays that find the visible fraction.
-void Wavefront::shade_low_rate_effects(WaveBounce& bounce) {
-  const SceneTables& scene = wave_.scene;
-  TileBuffer& buffer = wave_.buffer;
-  SlotQueue& diffuse = buffer.queues.diffuse;
-  if (diffuse.items == 0) return;
-  const auto select = [&]<bool kCheckerboard> {
-    typename SelectEffects<kCheckerboard>::template Ports<float> ports;
-    ports.grid = wave_.retained.low_rate.grid;
-    return graph_.launch<SelectEffects<kCheckerboard>>(ports, diffuse.items, bounce.lanes);
-  };
-  const Node selected =
-      scene.is_checkerboard ? select.template operator()<true>() : select.template operator()<false>();
-  wait_for_bounce(selected, bounce);
-  std::uint32_t layer = 0;
-  const auto keep_unoccluded = [&](Launch kernel, std::uint32_t light) {
-    const Node node =
-        kernel(wave_, bounce,
-               {.entries = diffuse.entries.data(),
-                .items = diffuse.items,
-                .lanes = bounce.lanes,
-                .light = light,
-                .colours = buffer.filters.lights.data() + std::size_t{layer} * wave_.retained.low_rate.layer})
-            .node;
-    wait_for_bounce(node, bounce);
-    graph_.wait_for_all(node, wave_.retained.cleared);
-    graph_.register_record_writer(node);
-  };
-  if (scene.occlusion_rays != 0) {
-    keep_unoccluded(launch<ShadeAmbient>, 0);
-    for (std::uint32_t ray = 0; ray < scene.occlusion_rays; ++ray) {
-      trace_visible_fractions(bounce, launch<CastOcclusionShare>, {.ray = ray}, selected, scene.occlusion_share(),
-                              layer);
-    }
-    ++layer;
-  } else {
-    run_stage(kAmbient, bounce, diffuse);
-    run_stage(kOcclusionTextures, bounce, buffer.queues.occluded);
-  }
-  for (std::uint32_t light = 0; light < scene.lights.size(); ++light) {
-    if (scene.discs.empty()) {
-      shade_light(bounce, light, diffuse, 0, 1);
-      continue;
-    }
-    keep_unoccluded(launch<ShadeOpen>, light);
-    for (std::uint32_t ray = 0; ray < scene.shadow_rays; ++ray) {
-      trace_visible_fractions(bounce, launch<ShadeSoftShare>, {.light = light, .ray = ray}, selected,
-                              scene.discs[light].share, layer);
-    }
-    ++layer;
-  }
-}
-
-/// Emits effect rays from the selected samples, and adds the rays' results to the samples' visible fractions.
-void Wavefront::trace_visible_fractions(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
-                                        float share, std::uint32_t layer) {
-  TileBuffer& buffer = wave_.buffer;
-  in.entries = buffer.checks.passed.entries.data();
-  in.items = buffer.checks.passed.items;
-  in.lanes = bounce.lanes;
-  if (in.items == 0) return;
-  buffer.rays.shadow.reserve_slots(std::size_t{in.items} + 1);
-  const auto [node, rays] = cast(wave_, bounce, in);
-  wait_for_bounce(node, bounce);
-  graph_.wait_for_all(node, selected);
-  if (rays == 0) return;
-  const TracedBatch batch = tracer_.trace(RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
-  CombineRatio::Ports<float> combine;
-  combine.ratios.bind(buffer.filters.ratios.data() + std::size_t{layer} * wave_.retained.low_rate.layer);
-  combine.share = share;
-  const Node combined = graph_.launch<CombineRatio>(combine, rays, bounce.lanes);
-  wait_for_batch(combined, batch);
-  graph_.wait_for_all(combined, wave_.retained.cleared);
-  graph_.register_record_writer(combined);
-}
-
 /// Returns the kernels that record the hits of a bounce, or null if the samples keep no records.
 const RecordStages* Wavefront::record_stages(const WaveBounce& bounce) const {
   const RetainedRecords& kept = wave_.retained;
@@ -675,7 +605,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   TileBuffer& buffer = wave_.buffer;
   const StageQueues& queues = buffer.queues;
   RaySlots& slots = buffer.rays.next_wave;
-  slots.reserve_slots(std::size_t{queues.blended.items} + queues.mirror.items + queues.glass.items + 1);
+  slots.reserve_slots(std::size_t{queues.blended.items} + queues.mirror.items + queues.glass.items + bounce.rays + 1);
   WaveBounce from = bounce;
   from.colours = kNone;  // these kernels do not read base colours
   WaveBounce next;
@@ -696,6 +626,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
     next.rays += rays;
     next.lanes += bounce.lanes;
   }
+  if (uses_low_rate_effects(bounce) && wave_.scene.has_bounce) spawn_bounce_rays(bounce, next);
   next.is_single = bounce.is_single && next.batch_count < 2;
   std::swap(buffer.rays.wave, buffer.rays.next_wave);
   buffer.reserve_wave(next.rays);
@@ -762,8 +693,7 @@ Node Wavefront::generate_listed_rays(GenerateListedRays::Ports<float>& ports, Sa
     if constexpr (std::is_base_of_v<ClearTraits::Ports<float>, typename K::template Ports<float>>) {
       ports_of<ClearTraits>(bound).secondary.bind(wave_.buffer.subpixels.secondary_traits.data());
     }
-    const Node node = graph_.launch<K>(bound, items, lanes);
-    return node;
+    return graph_.launch<K>(bound, items, lanes);
   };
   using std::type_identity;
   ports.samples.bind(list.entries.data());

@@ -10,6 +10,7 @@
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/programs/wavefront/tile_graph.h"
 #include "traces/ray.h"
+#include "traces/ray_key.h"
 
 namespace kernels {
 
@@ -63,6 +64,7 @@ class WaveTracer {
   TileGraph& graph_;
   TileResult& out_;
   TileBuffer& buffer_;
+  const traces::RayKeyGrid key_grid_;
   std::uint32_t rays_traced_ = 0;
 };
 
@@ -88,13 +90,17 @@ struct LowRateEffects {
   GridUniforms<float> grid{};  ///< layout of the pixels in the tile buffer
 };
 
+struct GuideUniforms;  // programs/wavefront/guides.h
+
 /// Which records of hits a wave keeps for its samples, in addition to the colours.
 struct RetainedRecords {
   bool geometry = false, surfaces = false;  ///< keep the geometry of the first hit, or all its data that shading needs
   bool secondary = false;
-  bool traits = false;  ///< keep the traits of the first hit and of the secondary hit with the largest weight
+  bool is_path = false;  ///< surfaces are lit by the program path:N (path/path_tracer.h)
+  bool traits = false;   ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
   LowRateEffects low_rate{};
+  const GuideUniforms* guides = nullptr;  ///< records the denoiser's guides of first hits; null: none
   StreamBuilder::Node cleared = StreamBuilder::kNone,
                       cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared the records
 };
@@ -109,7 +115,7 @@ struct WaveBounce {
   std::uint32_t lanes = 0, padding = 0;  ///< values of TileGraph::launch()'s arguments with these names
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
-  std::array<TracedBatch, 3> batches{};
+  std::array<TracedBatch, 5> batches{};                     ///< one for each kernel that emits rays of the bounce
   std::uint32_t batch_count = 0;
   bool is_single = true;              ///< no sample has two rays in this bounce
   bool has_lit = false;               ///< diffuse surfaces not in `deferred` already have ambient and first light
@@ -199,6 +205,11 @@ BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
 /// Returns a hash of a light and a bounce. The record of a sample's secondary shadows is a sum of such hashes.
 std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t light);
 RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
+/// Returns the random numbers that choose a microfacet of each rough mirror.
+inline RandomPointUniforms<float> facet_points(const WaveContext& wave) {
+  constexpr std::uint32_t kFacetSeed = 0x85ebca77U;
+  return {0.5F, 0.5F, scramble_bits<float>(jitter_seed(wave.out.work.frame) ^ kFacetSeed)};
+}
 RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
 
 /// The type of the kernel that `Part`, a part of a fused kernel, runs.
@@ -246,6 +257,7 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
     p.ambient = scene.ambient;
   }
   if constexpr (requires { p.share; }) p.share = scene.occlusion_share();
+  if constexpr (std::is_same_v<K, ReflectRough>) p.draw = facet_points(wave);
   if constexpr (requires { p.next_rays; }) {
     p.next_rays.bind(wave.buffer.rays.next_wave.rays.data() + in.next_ray);
     p.next_paths.bind(wave.buffer.rays.next_wave.paths.data() + in.next_ray);
@@ -313,6 +325,21 @@ LaunchResult launch_by_instances_and_cones(const WaveContext& wave, const WaveBo
   return has_cones ? launch<K<false, true>>(wave, bounce, in) : launch<K<false, false>>(wave, bounce, in);
 }
 
+/// Launches the kernel that applies metal-roughness textures, for images with or without GGX roughness.
+template <MipFilter kMips>
+using ShadePhysicalRough = ShadePhysical<kMips, true>;
+template <MipFilter kMips>
+using ShadePhysicalSmooth = ShadePhysical<kMips, false>;
+inline LaunchResult launch_physical(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  return wave.scene.image.has_roughness ? launch_by_mips<ShadePhysicalRough>(wave, bounce, in)
+                                        : launch_by_mips<ShadePhysicalSmooth>(wave, bounce, in);
+}
+/// Launches the kernel that emits mirrored rays, for images with or without GGX roughness.
+inline LaunchResult launch_mirror(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  return wave.scene.image.has_roughness ? launch<ReflectRough>(wave, bounce, in)
+                                        : launch<ShadeMirror>(wave, bounce, in);
+}
+
 /// Traces and shades one tile's rays, one wave per bounce. Each bounce runs the rows of stage tables:
 ///
 ///   rays -> classify_hits -> shade_background
@@ -361,10 +388,11 @@ class Wavefront {
   void finish();
 
  private:
+  friend class PathTracer;
   // Stages that fetch and classify surfaces.
   void classify_hits(WaveBounce& bounce);
   void shade_surfaces(WaveBounce& bounce);
-  void run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light = 0,
+  Node run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light = 0,
                  std::uint32_t ray = 0);
   void run_stages(std::span<const WaveStage> stages, WaveBounce& bounce);
   void wait_for_bounce(Node node, const WaveBounce& bounce);
@@ -385,6 +413,7 @@ class Wavefront {
     return wave_.retained.low_rate.are_low_rate && bounce.depth == 1;
   }
   void shade_low_rate_effects(WaveBounce& bounce);
+  void spawn_bounce_rays(const WaveBounce& bounce, WaveBounce& next);
   void trace_visible_fractions(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 
@@ -403,6 +432,7 @@ class Wavefront {
   TileGraph graph_;
   WaveTracer tracer_;
   WaveContext wave_;
+  Node selected_ = kNone;  ///< launch that selected the samples that emit effect rays
 };
 
 }  // namespace kernels

@@ -35,10 +35,11 @@ class CoreRaysTest : public testing::Test {
 TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
   const std::vector<traces::Ray> list = rays(image_, 2 * kBlock + 8);
   std::vector<std::uint32_t> finished;
-  CoreRays core(list, traces::RayKind::kPrimary, tracer_, 0, 1, [&](std::uint32_t count, sim::Time) {
-    finished.push_back(count);
-    return true;
-  });
+  CoreRays core(list, traces::RayKind::kPrimary, tracer_, {image_.lower, image_.upper}, 0, 1,
+                [&](std::uint32_t count, sim::Time) {
+                  finished.push_back(count);
+                  return true;
+                });
   ASSERT_EQ(core.ray_count(), list.size());
   std::vector<std::vector<std::uint32_t>> walks;
   for (std::uint32_t ray = 0; ray < core.ray_count(); ++ray)
@@ -54,7 +55,7 @@ TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
 TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopOnRequest) {
   const std::vector<traces::Ray> list = rays(image_, 5 * kBlock);
   std::uint32_t finished = 0;
-  CoreRays core(list, traces::RayKind::kPrimary, tracer_, 1, 2,
+  CoreRays core(list, traces::RayKind::kPrimary, tracer_, {image_.lower, image_.upper}, 1, 2,
                 [&](std::uint32_t, sim::Time) { return ++finished < 1; });
   ASSERT_EQ(core.ray_count(), 2 * kBlock) << "the second and the fourth block";
   for (std::uint32_t ray = 0; ray < kBlock; ++ray) {

@@ -52,6 +52,12 @@ INSTANTIATE_TEST_SUITE_P(Programs, HybridFrames,
                                                           "occlusion, soft_shadows, reflections, refractions")),
                          ::test::ParamName());
 
+INSTANTIATE_TEST_SUITE_P(Paths, HybridFrames,
+                         testing::Combine(testing::Values("path:1", "path:4"),
+                                          testing::Values("shadows, reflections, refractions",
+                                                          "soft_shadows, reflections, refractions")),
+                         ::test::ParamName());
+
 class RatedFrames : public testing::TestWithParam<kernels::EffectRate> {};
 
 TEST_P(RatedFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
@@ -71,6 +77,18 @@ TEST_P(RatedFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
   render.primary = kernels::Primary::kRays;
   const Method by_rays(traces::open_scene("cornell"), "full:1", {}, render);
   EXPECT_EQ(play(by_rays, config).function.rgb, fast.function.rgb);
+}
+TEST_P(RatedFrames, WithABounceAreTheSameOnAnyEngineAndNumberOfThreads) {
+  kernels::RenderConfig render = hybrid("shadows, bounce", 48, 24);
+  render.effect_rate = GetParam();
+  render.tile = 8;
+  const Method method(traces::open_scene("cornell"), "full:1", {}, render);
+  GpuConfig config;
+  config.cores = 2;
+  const Outcome fast = play(method, config);
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kFast, 0, 3)), "");
 }
 INSTANTIATE_TEST_SUITE_P(Rates, RatedFrames,
                          testing::Values(kernels::EffectRate::kHalf, kernels::EffectRate::kCheckerboard),

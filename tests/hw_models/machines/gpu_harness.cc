@@ -116,7 +116,14 @@ Method::Method(const traces::Scene& scene, const std::string& program, const ker
       tracer_(image_, predictor) {}
 
 std::unique_ptr<kernels::FrameProgram> Method::make() const {
-  return kernels::make_program(spec_, {image_, camera_, render_, programs_, rates_, 0});
+  return kernels::make_program(spec_,
+                               {image_, camera_, render_, programs_, rates_, 0, 1, builds_ ? &*builds_ : nullptr});
+}
+
+Method& Method::build_trees(bool refit, bool overlap, traces::BuildEngine engine) {
+  builds_ = traces::tree_builds(image_, refit, overlap);
+  builds_->engine = engine;
+  return *this;
 }
 
 Gpu::Workload Method::workload() const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -57,6 +58,14 @@ class Method {
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
 
+  /// Makes the machine build or refit the scene's trees before the tiles.
+  Method& build_trees(bool refit = false, bool overlap = false,
+                      traces::BuildEngine engine = traces::BuildEngine::kUnit);
+  /// Gives the machine a tree builder that has no work.
+  void build_nothing() { builds_.emplace(); }
+  const traces::MemoryImage& image() const { return image_; }
+  const traces::TreeBuilds& builds() const { return *builds_; }
+
   std::unique_ptr<kernels::FrameProgram> make() const;
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
@@ -70,6 +79,7 @@ class Method {
   const traces::MemoryImage image_;
   const std::vector<std::uint32_t> parents_;
   const traces::BvhTracer tracer_;
+  std::optional<traces::TreeBuilds> builds_;
 };
 
 /// Small frames that several tests share.

@@ -63,6 +63,15 @@ class Drawing {
     return static_cast<std::uint64_t>(std::clamp(static_cast<double>(drawn), limits.min, limits.max));
   }
 
+  /// Returns how many of the last names of an enum are not drawn: parent links for binary trees; mechanisms of the
+  /// T&I unit that are not always faster, for sane machines.
+  std::size_t undrawn_names(const std::string& path) const {
+    if (trees_ == Trees::kBinary && path == "tni.trv.stack") return 1;
+    if (range_ != Range::kSane) return 0;
+    if (path == "tni.trv.prefetch") return 2;
+    return path == "tni.trv.gather" || path == "tni.dispatcher.sort" ? 1 : 0;
+  }
+
   /// Sets a field to a new value, and restores the old one if the new one violates a rule.
   template <class T>
   void change(T& member, T value) {
@@ -105,8 +114,7 @@ class Drawing {
                      change(*member, {sane ? near(limits, member->time) : number(limits, 3 * member->time)});
                    },
                    [&](sim::EnumTarget& member) {
-                     const bool no_links = trees_ == Trees::kBinary && field.path == "tni.trv.stack";
-                     member.set(below(member.names.size() - (no_links ? 1 : 0)));
+                     member.set(below(member.names.size() - undrawn_names(field.path)));
                    },
                    [](auto&) {},
                },

@@ -30,5 +30,12 @@ TEST(DataCache, ATriangleOf36BytesIsItsVerticesAndItsLabel) {
   EXPECT_EQ(lines(5, layout), (std::vector<Addr>{1152, 1216, 4096, 4160})) << "vertices 180 to 215, label 60 to 71";
 }
 
+TEST(DataCache, AWordOfRegionSamplesIsOneLine) {
+  const auto access = traces::Access::of_kind(traces::Access::Kind::kStored, 17);
+  const LineSet set = lines_of_access(access, {}, 4096);
+  ASSERT_EQ(set.count, 1U);
+  EXPECT_EQ(set.line[0], 4160U) << "bytes 68 to 71 of the region";
+}
+
 }  // namespace
 }  // namespace hw

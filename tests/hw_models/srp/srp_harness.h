@@ -37,7 +37,8 @@ class SrpHarness {
     BankConflicts conflicts{};
   };
   /// Base addresses of picture, samples, rates and spilled slots.
-  static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
+  static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26,
+                                                   Addr{1} << 27, Addr{1} << 29, Addr{1} << 28};
   /// Cycles of a switch to a kernel that is resident, and to a kernel of initiation interval `ii` that must be loaded.
   /// The latter kernel's configuration has `ii` rows, by default of 16 words of 8 bytes; 64 bytes are loaded per cycle.
   static constexpr std::uint64_t kResident = 8;

@@ -65,10 +65,10 @@ class TniHarness {
                      setup.hit_interval, {rays_in_, hits_out_, ports_});
   }
 
-  TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
+  TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1, std::uint32_t key = 0) {
     walks_.push_back(std::move(walk));
     for (std::uint32_t i = 0; i < times; ++i) {
-      to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size())});
+      to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size()), kNoTile, key});
     }
     return *this;
   }

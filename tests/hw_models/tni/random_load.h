@@ -42,7 +42,7 @@ struct RandomLoad {
     setup.placed = placed;
   }
   TniHarness& send(TniHarness& harness) const {
-    for (const Walk& w : walks) harness.add(w);
+    for (const Walk& w : walks) harness.add(w, 1, static_cast<std::uint32_t>(sim::hash(w.size()) % 512));
     return harness;
   }
 
@@ -144,12 +144,18 @@ inline TniHarness::Setup random_setup(std::uint64_t seed) {
   s.config.rau = {draw(17, 1, 8), draw(18, 1, 6)};
   s.config.dispatch = static_cast<Dispatch>(draw(19, 0, 1));
   s.config.trv.box_testers = draw(20, 1, 2);
-  s.config.trv.prefetch = static_cast<Prefetch>(draw(21, 0, 1));
+  s.config.trv.prefetch = static_cast<Prefetch>(draw(21, 0, 3));
+  s.config.trv.prefetch_depth = draw(28, 1, 4);
+  s.config.trv.treelet_bytes.bytes = std::uint64_t{512} << draw(29, 0, 4);
   s.config.trv.stack = static_cast<StackScheme>(draw(22, 0, 2));
   if (s.config.trv.stack == StackScheme::kRestartTrail) s.config.trv.stack_entries -= 1;
   s.node_bytes = std::array{64U, 32U, 40U, 48U}[draw(23, 0, 3)];
   s.triangle_bytes = draw(24, 0, 1) == 0 ? 48 : 36;
   s.hybrid = draw(25, 0, 1) == 1;
+  if (s.config.miss_handling == MissHandling::kReorder && s.config.trv.box_testers == 2)
+    s.config.trv.gather = static_cast<Gather>(draw(30, 0, 1));
+  s.config.trv.gather_width = draw(31, 4, 16);
+  s.config.dispatcher = {static_cast<RaySort>(draw(32, 0, 1)), draw(33, 16, 64), draw(34, 1, 300)};
   s.ideal = {draw(26, 0, 5) == 0, draw(27, 0, 5) == 0};
   return s;
 }

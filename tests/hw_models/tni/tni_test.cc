@@ -207,12 +207,15 @@ TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
       EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
       const bool one = setup.config.trv.box_testers == 1;
       EXPECT_EQ(s.first_passes, one ? s.visits : 0);
-      EXPECT_GE(s.l1_hits + s.rau_reads, s.visits + s.first_passes);
-      EXPECT_LE(s.l1_hits + s.rau_reads, (s.visits + s.first_passes) * (one ? 2 : 4));
+      EXPECT_GE(s.l1_hits + s.rau_reads + s.gathered, s.visits + s.first_passes);
+      EXPECT_LE(s.l1_hits + s.rau_reads + s.gathered, (s.visits + s.first_passes) * (one ? 2 : 4));
       EXPECT_EQ(setup.hybrid ? s.hybrid_box_tests : s.box_tests, 2 * s.visits);
       EXPECT_EQ(setup.hybrid ? s.box_tests : s.hybrid_box_tests, 0U);
       EXPECT_EQ(s.pushes, s.pops + s.dropped);
       EXPECT_EQ(s.rau_writes, s.rau_reads);
+      EXPECT_LE(s.prefetches_useful + s.prefetches_late + s.prefetches_useless, s.prefetches);
+      EXPECT_LE(s.prefetches, s.prefetch_probes);
+      EXPECT_LE(s.gathered, (setup.config.trv.gather_width - 1) * s.groups);
       EXPECT_EQ(trv->activity().accounted_until(), harness.end_time());
       sim::Time sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::CycleReason::kCount); ++w) {

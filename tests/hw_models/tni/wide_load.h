@@ -175,6 +175,7 @@ inline TniHarness::Setup random_wide_setup(std::uint64_t seed) {
   config.trv.order_latency = draw(3, 0, 4);
   config.trv.stack = static_cast<StackScheme>(draw(4, 0, 3));
   config.trv.stack_push = static_cast<StackPush>(draw(5, 0, 1));
+  if (config.trv.box_testers == 1) config.trv.gather = Gather::kOff;
   const bool may_be_empty = config.trv.stack >= StackScheme::kRestartTrail;
   config.trv.stack_entries = draw(6, may_be_empty ? 0 : 1, 8);
   config.ists = draw(7, 1, std::min(config.trvs, 4U));

@@ -76,7 +76,7 @@ TEST(Effects, WithUnknownNamesAreRefusedWithTheList) {
   };
   EXPECT_EQ(refusal("shadows, oclusion"),
             "'oclusion' is no effect, did you mean 'occlusion'?; allowed: none, or several of shadows, reflections, "
-            "refractions, occlusion, soft_shadows between commas");
+            "refractions, occlusion, soft_shadows, bounce between commas");
   for (const char* text : {"", ",", "shadows,", "none, shadows", "shadows occlusion"}) {
     EXPECT_NE(refusal(text).find("is no effect"), std::string::npos) << text;
   }

@@ -146,6 +146,54 @@ TEST(EffectRate, GivesTheSamePictureForAnyTileSize) {
   }
 }
 
+TEST(Bounce, OfAWallUnderAWhiteSkyBringsItsAlbedo) {
+  traces::Scene scene = empty_scene();
+  scene.background = glm::vec3(1);
+  add_wall(scene, 0, 1000, {.name = "matte", .base_colour = {0.5F, 0.25F, 0.75F}});
+  scene.cameras.push_back(traces::look_at("front", {0, 0, 20}, {0, 0, 0}, 0.5F));
+  const RatedStage wall(scene);
+  for (const EffectRate rate : kLowerRates) {
+    const auto frame = wall.render(rated("shadows, bounce", rate), true);
+    for (std::size_t i = 0; i < frame.rgb.size(); ++i) {
+      ASSERT_NEAR(frame.rgb[i], (std::array{0.5F, 0.25F, 0.75F}[i % 3]), 1e-5F) << i;
+    }
+    const std::uint64_t share = rate == EffectRate::kHalf ? 4 : 2;
+    EXPECT_EQ(share * frame.rays[static_cast<std::size_t>(traces::RayKind::kReflection)], 64U * 32U);
+  }
+}
+
+TEST(Bounce, GivesTheSamePictureForAnyTileSize) {
+  const RatedStage stage(traces::open_scene("cornell"));
+  for (const EffectRate rate : kLowerRates) {
+    RenderConfig config = rated("shadows, bounce, reflections, refractions", rate, 67, 37);
+    const auto reference = stage.render(config, true);
+    for (const std::uint32_t tile : {8U, 33U}) {
+      config.tile = tile;
+      const auto other = stage.render(config);
+      EXPECT_EQ(other.rgb, reference.rgb) << tile;
+      EXPECT_EQ(other.rays, reference.rays) << tile;
+    }
+    EXPECT_NE(stage.render(rated("shadows, occlusion, reflections, refractions", rate, 67, 37)).rgb, reference.rgb);
+  }
+}
+
+TEST(Bounce, NeedsALowerRateARayMoreAndNoOcclusion) {
+  const auto refusal = [](RenderConfig config) -> std::string {
+    try {
+      sim::check_config(config);
+      return "";
+    } catch (const sim::InputError& error) {
+      return error.what();
+    }
+  };
+  RenderConfig config = rated("shadows, bounce", EffectRate::kHalf);
+  EXPECT_EQ(refusal(config), "");
+  config.depth = 1;
+  EXPECT_NE(refusal(config).find("depth: is 1"), std::string::npos);
+  EXPECT_NE(refusal(rated("bounce", EffectRate::kFull)).find("effect_rate: is full"), std::string::npos);
+  EXPECT_NE(refusal(rated("bounce, occlusion", EffectRate::kHalf)).find("has bounce and occlusion"), std::string::npos);
+}
+
 TEST(EffectRate, IsCloseToAllRays) {
   std::vector<const char*> scenes = {"cornell"};
   if (test::is_full_size()) scenes.insert(scenes.end(), {"chess", "bathroom"});
@@ -209,7 +257,8 @@ TEST(EffectRate, AppliesOnlyToFull1AndToEffectsWithManyRays) {
     sim::check_config(rated("shadows", EffectRate::kCheckerboard));
     ADD_FAILURE();
   } catch (const sim::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("effect_rate: is that of occlusion and soft_shadows"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("effect_rate: is that of occlusion, soft_shadows and bounce"),
+              std::string::npos)
         << error.what();
   }
 }

@@ -68,8 +68,8 @@ TEST(Refusals, SuggestWhatToTypeInstead) {
   refused({"config", "show", "--set", "cores=-1"}, {"cores: '-1' is out of range; allowed: 1 to 64 cores"});
   refused({"config", "show", "--set", "dram.extends=lpddr9"},
           {"no configuration file 'lpddr9'", "known: lpddr3-1600, lpddr4-3200, "});
-  refused({"config", "show", "--set", "bvh.builder=lbvh"},
-          {"bvh.builder: is not modelled", "docs/design/not-modelled.md"});
+  refused({"config", "show", "--set", "bvh.compression=on"},
+          {"bvh.compression: is not modelled", "docs/design/not-modelled.md"});
   refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
   refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
   refused({"run", "--ideal", "l3"}, {"--ideal: 'l3' is unknown; allowed: tni, l1, l2, dram, "});

@@ -54,7 +54,7 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     const tools::Inputs inputs = tools::load_inputs(options);
     traces::TraceWriter writer(trace, tools::trace_header(inputs, options));
     tools::simulate_frame(inputs, {}, 1, {.rates = nullptr, .trace = &writer});
-    writer.end_frame(tools::recorded_frame(0, 0));
+    writer.end_frame(tools::recorded_frame(0, {}));
     writer.commit();
   }
   for (std::uint64_t seed = 1; seed <= count; ++seed) {

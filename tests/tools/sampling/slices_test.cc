@@ -84,6 +84,14 @@ TEST(Slices, OneSliceIsThePlainRunToTheLastCounter) {
   EXPECT_EQ(first_difference(uncut_teapot(), simulate_slices(teapot_tiles(), kFull, 2, 1)), "");
 }
 
+TEST(Slices, OfPathsHaveThePictureOfTheWholeFrame) {
+  const kernels::ProgramSpec paths = kernels::parse_program("path:1");
+  const FrameResult whole = simulate_frame(teapot_tiles(), paths, 2),
+                    sliced = simulate_slices(teapot_tiles(), paths, 2, 4);
+  EXPECT_EQ(sliced.rendered.rgb, whole.rendered.rgb);
+  EXPECT_EQ(sliced.rays(), whole.rays());
+}
+
 TEST(Slices, NothingDependsOnTheNumberOfThreads) {
   for (const std::uint32_t threads : {3U, 20U}) {
     const FrameResult s = simulate_slices(teapot_tiles(), kFull, threads, 8);

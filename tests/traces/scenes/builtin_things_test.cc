@@ -151,7 +151,7 @@ TEST_P(Things, FillThePicture) {
 
 class Paths : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Paths, testing::Values("chess", "car", "laboratory", "cornell", "teapot"),
+INSTANTIATE_TEST_SUITE_P(Scenes, Paths, testing::Values("chess", "car", "laboratory", "cornell", "teapot", "crowd"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST_P(Paths, LeadACameraForSomeSeconds) {

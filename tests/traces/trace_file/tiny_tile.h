@@ -161,6 +161,24 @@ inline TileWork tile_of_raster() {
   return t;
 }
 
+// A tree over four triangles with five vertices for a tree builder.
+
+inline TileScope tiny_build() {
+  TileScope scope = tiny_scope();
+  scope.build = BuildArraySizes{.vertices = 6, .triangles = 7, .instances = 2};
+  return scope;
+}
+
+inline TileWork tile_of_build() {
+  TileWork t;
+  t.nodes = {{.kind = WorkNode::Kind::kBuild, .items = 4, .first = 0, .inputs = {}}};
+  t.access_begin = {0};
+  t.build = {{.refit = true, .first_item = 3, .output = {{{64, 192}, {320, 192}, {4096, 48}}}, .comparisons = 77}};
+  t.build_triangles = {{0, 1, 2}, {2, 1, 3}, {3, 4, 5}, {0, 2, 4}};
+  t.build_order = {2, 0, 3, 1};
+  return t;
+}
+
 inline bool same(const WorkNode& a, const WorkNode& b) {
   const auto edges = [](const Edge& x, const Edge& y) { return x.node == y.node && x.kind == y.kind; };
   return a.kind == b.kind && a.ray_kind == b.ray_kind && a.kernel == b.kernel && a.items == b.items &&
@@ -181,7 +199,8 @@ inline bool same(const TileWork& a, const TileWork& b) {
          a.after_all == b.after_all && a.walk == b.walk && a.ray_begin == b.ray_begin &&
          a.access_begin == b.access_begin && a.sources == b.sources &&
          std::ranges::equal(a.accesses, b.accesses, accesses) && std::ranges::equal(a.raster, b.raster, jobs) &&
-         a.raster_triangles == b.raster_triangles && a.list_runs == b.list_runs &&
+         a.raster_triangles == b.raster_triangles && a.list_runs == b.list_runs && a.build == b.build &&
+         a.build_triangles == b.build_triangles && a.build_order == b.build_order &&
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 

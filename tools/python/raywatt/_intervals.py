@@ -20,7 +20,7 @@ def load(folder, units):
     """
     file = folder / FILE
     if not file.exists():
-        raise ValueError(f"{file}: is not there; runs with --intervals off or --tile-sampling have none")
+        raise ValueError(f"{file}: is not there; those of whole frames have it, unless --intervals is off")
     names, *frames = _blocks(file)
     if not names.startswith(MAGIC):
         raise ValueError(f"{file}: is no file of {MAGIC.decode().strip()}")

@@ -6,7 +6,7 @@ import { at, capital, chart, dataset, entriesAt, flattened, hasNumber, headline,
 const WORK = ["#2b6cb0", "#63a0d8", "#a9cbea"], WAIT = ["#b85c12", "#e0964a", "#f2c793"], TRACE = ["#17736d", "#4aa89a", "#9cd3c7"];
 const TREE = ["#6b4a95", "#a184c2", "#cebfdf"], RASTER = ["#b3446c", "#d487a3", "#ecc4d2"], RASTER_WORK = "#7a7414";
 const REST = "#8a9099", PALE_REST = "#d3d7dc";
-const BLOCKS = { tni: TRACE[0], srp: WORK[0], l2: TREE[0], tile_buffer: TREE[1], dma: WORK[1], interconnect: REST, dram: WAIT[0], raster: RASTER[0] };
+const BLOCKS = { tni: TRACE[0], srp: WORK[0], l2: TREE[0], tile_buffer: TREE[1], dma: WORK[1], interconnect: REST, dram: WAIT[0], raster: RASTER[0], build: RASTER[1] };
 
 /**
  * Parts of a core's time (totals.top_down): group, level of a miss, name, colour, whether its text is dark, meaning.
@@ -28,6 +28,10 @@ const PARTS = [
   ["raster_misses", "interconnect", "rasteriser's misses: interconnect", RASTER[2], true, "the rasteriser waited for a line, which was between core and L2"],
   ["raster_misses", "l2", "rasteriser's misses: L2", RASTER[1], true, "the rasteriser waited for a line, which was in the L2"],
   ["raster_misses", "dram", "rasteriser's misses: DRAM", RASTER[0], false, "the rasteriser waited for a line, which was in memory"],
+  ["build", "", "tree builder", RASTER_WORK, false, "no core had a tile, the tree builder worked"],
+  ["build_misses", "interconnect", "tree builder's misses: interconnect", RASTER[2], true, "the tree builder waited for a line, which was between core and L2"],
+  ["build_misses", "l2", "tree builder's misses: L2", RASTER[1], true, "the tree builder waited for a line, which was in the L2"],
+  ["build_misses", "dram", "tree builder's misses: DRAM", RASTER[0], false, "the tree builder waited for a line, which was in memory"],
   ["transfers", "", "transfers", REST, false, "no ray was in flight, launches waited for the DMA"],
   ["no_tile", "", "no tile", PALE_REST, true, "the core had no tile"],
 ].map(([group, level, words, colour, pale, meaning]) => ({ group, level, words, colour, pale, meaning }));
@@ -112,7 +116,7 @@ function addHeadlines({ report, totals }, view) {
     view.headlines.push(headline({ id, name, value, show, unit, note, low: hasBand ? at(found, "low") : null, high: hasBand ? at(found, "high") : null }));
   }
   const time = view.headlines.find((f) => f.id === "time_ms");
-  for (const [by, note] of [["sampled", "estimated from sampled tiles, 95 % interval"], ["sliced", "sum of slices, 95 % interval"]]) {
+  for (const [by, note] of [["sampled", "estimated from sampled tiles, 95 % interval"], ["representative", "estimated from representative frames, 95 % interval"], ["sliced", "sum of slices, 95 % interval"]]) {
     const interval = at(totals, by, "time_ms");
     if (time && hasNumber(interval, "low") && hasNumber(interval, "high")) Object.assign(time, { low: interval.low, high: interval.high, note });
   }
@@ -134,6 +138,8 @@ function addHeadlines({ report, totals }, view) {
   if (at(report, "partial") === true) view.notices.push("This run was interrupted: its figures are those of the finished part.");
   const timed = numberAt(totals, "sampled", "timed"), tiles = numberAt(totals, "sampled", "tiles");
   if (timed < tiles) view.notices.push(`Timed: ${timed} of ${counted(tiles, "tile")}; all other figures are estimates.`);
+  const simulated = numberAt(totals, "representative", "simulated"), sequence = numberAt(totals, "representative", "frames");
+  if (simulated < sequence) view.notices.push(`Simulated: ${simulated} of ${counted(sequence, "frame")}; all other figures are estimates.`);
   view.notices.push(...itemsAt(report, "warnings").filter((w) => typeof w === "string").map((w) => printable(w)));
 }
 
@@ -223,10 +229,10 @@ function addCycles(run, view) {
   const { totals } = run, reference = at(totals, "reference", "top_down"), all = at(totals, "top_down", "gpu");
   const cycles = section("cycles", "Where the cycles went",
     "Every cycle of a core is in one part, as seen from its shader core. Blue: the array was busy. Orange: it was stalled for data. " +
-    "Green and purple: it waited while rays were traced. Olive and red: it waited while the rasteriser worked. Grey: there was nothing to do.");
+    "Green and purple: it waited while rays were traced. Olive and red: it waited while the rasteriser or the tree builder worked. Grey: there was nothing to do.");
   view.sections.push(cycles);
   if (all === null) return cycles.blocks.push(text("This report has no cycle stacks."));
-  const parts = PARTS.filter((p) => !p.group.startsWith("raster") || shareOf(all, p) > 0 || shareOf(reference, p) > 0);
+  const parts = PARTS.filter((p) => !/^(raster|build)/.test(p.group) || shareOf(all, p) > 0 || shareOf(reference, p) > 0);
   const cores = itemsAt(totals, "top_down", "cores");
   const stacks = [["all cores", all], ...(cores.length > 1 ? cores.map((time, i) => [`core ${i}`, time]) : []), ...(reference ? [["reference program", reference]] : [])];
   view.data.stacks = dataset([["who", "core"], ["part", "part"], ["share", "share of time", "percent"], ["order", "order", "number"], ["pale", "pale"], ["meaning", "meaning"]],
@@ -359,7 +365,8 @@ function addFrames({ report, film }, view) {
     ...(compared ? [at(f, "psnr_db"), at(f, "temporal_psnr_db")] : [])]));
   const line = (y, yTitle) => ({ kind: "lines", x: "frame", xTitle: "frame", xFormat: "d", y, yTitle });
   const words = new Map(frames.map((f) => [at(f, "frame"), frameWords(f)]));
-  view.sections.push(section("frames", "Frames", "The figures above are sums and means of all frames.",
+  view.sections.push(section("frames", "Frames", Number.isFinite(numberAt(report, "totals", "representative", "frames"))
+    ? `Simulated frames. The figures above are estimates for all ${numberAt(report, "totals", "representative", "frames")} frames.` : "The figures above are sums and means of all frames.",
     film && { ...film, frames: film.frames.map((f) => ({ ...f, words: words.get(f.frame) ?? "" })) },
     chart("frame-times", "Time of each frame", "Time of each frame in milliseconds", "frames", line("time_ms", "ms")),
     chart("frame-energies", "Energy of each frame", "Nominal energy of each frame in millijoules", "frames", line("energy_mj", "mJ")),

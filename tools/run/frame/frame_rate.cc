@@ -48,7 +48,7 @@ sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, c
   sim::Band sum;
   for (const ClockDomain& domain : clock_domains()) {
     for (const std::string& name : domain.blocks) {
-      const auto block = idle.blocks.find(name);  // a machine may have no rasteriser
+      const auto block = idle.blocks.find(name);  // a machine may have no rasteriser or builder
       if (block == idle.blocks.end()) continue;
       const sim::PowerScale scale = clocks.power_scale_of(name);
       sum += remaining_between_frames(config.power, block->second.leakage * scale.leakage,

@@ -18,7 +18,8 @@ namespace {
 /// Calls f for each array of variable length in a tile's recorded work and result.
 void for_each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
-  f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
+  f(work.nodes), f(work.walk), f(work.ray_begin), f(work.ray_keys), f(work.accesses), f(work.access_begin),
+      f(work.sources);
   f(work.raster), f(work.raster_triangles), f(work.list_runs);
   f(tile.background), f(tile.shown), f(tile.marks), f(tile.pixel_work);
 }

@@ -111,7 +111,7 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint64_t ahead_bytes_ = 0;          ///< size of the finished tiles that next() has not returned
   std::size_t slots_ = 0;                  ///< number of slots in ahead_, handed_ and spare_
-  std::array<std::size_t, 13> longest_{};  ///< maximum sizes of the arrays of a tile so far
+  std::array<std::size_t, 14> longest_{};  ///< maximum sizes of the arrays of a tile so far
   kernels::TileBuffer buffer_;             ///< scratch memory of the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;

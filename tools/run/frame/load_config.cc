@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/build/tree_builder.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
@@ -31,7 +32,7 @@ namespace tools {
 namespace {
 
 /// Top-level keys that a workload file may have: they define the rendered work, not the machine.
-constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
+constexpr std::array<std::string_view, 4> kWorkloadKeys = {"scene", "render", "bvh", "build"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
   loader.apply_file_with_keys(file, kWorkloadKeys);
@@ -150,6 +151,15 @@ constexpr std::array kIneffectiveKeys = {
                              c.scene.lights.rig != traces::LightRig::kSun;
                     },
                     "without scene.lights.rig=point or sun"},
+    IneffectiveKeys{"build.period", [](const RunConfig& c) { return c.build.policy != traces::BuildPolicy::kPeriod; },
+                    "without build.policy=period"},
+    IneffectiveKeys{"build.cost_growth",
+                    [](const RunConfig& c) { return c.build.policy != traces::BuildPolicy::kCost; },
+                    "without build.policy=cost"},
+    IneffectiveKeys{"build.overlap", [](const RunConfig& c) { return c.build.engine == traces::BuildEngine::kHost; },
+                    "without build.engine=unit"},
+    IneffectiveKeys{"tree_builder.", [](const RunConfig& c) { return c.build.engine != traces::BuildEngine::kUnit; },
+                    "without build.engine=unit"},
     IneffectiveKeys{"tni.predictor.", [](const RunConfig& c) { return !c.gpu->tni.predictor.enabled; },
                     "without tni.predictor.enabled"},
     IneffectiveKeys{"slc.", [](const RunConfig& c) { return !c.gpu->slc.is_present(); }, "without slc.size"},
@@ -196,6 +206,7 @@ void RunConfig::describe(auto& c, auto&& field) {
   field.group(NAMED(c.render), "what is rendered, and how finely");
   kernels::ProgramConfig::describe(c.programs, field);
   field.group(NAMED(c.bvh), "build of the tree on the host, and its layout in memory");
+  field.group(NAMED(c.build), "building and refitting of trees as work of the machine");
   field.group(NAMED(c.energy), "energy per event, leakage and clock");
   field.group(NAMED(c.power), "voltage and temperature, and their effect on energy");
   field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
@@ -211,6 +222,28 @@ void RunConfig::check(auto&& complain) const {
   if (gpu->tni.predictor.enabled && bvh.instances == traces::InstanceLevels::kTwoLevel) {
     complain("tni.predictor.enabled",
              "is true, and a predicted node has no instance; allowed with it: bvh.instances=flatten");
+  }
+  if (build.engine == traces::BuildEngine::kUnit && bvh.builder == traces::TreeBuilder::kPloc &&
+      gpu->tree_builder.comparators == 0) {
+    complain("build.engine",
+             "is unit, which has no comparators for bvh.builder: ploc; allowed: tree_builder.comparators "
+             "of 1 or more");
+  }
+  if (build.engine != traces::BuildEngine::kSrp) return;
+  if (bvh.builder == traces::TreeBuilder::kPloc) {
+    complain("build.engine", "is srp, whose kernels sort Morton codes; allowed with bvh.builder: ploc: host, unit");
+  }
+  using enum traces::BuildPolicy;
+  const bool rebuilds = bvh.update == traces::BvhUpdate::kRebuild;
+  if (build.policy != kRebuild && !(build.policy == kUpdate && rebuilds)) {
+    complain("build.policy", "refits, which no kernel does; allowed with build.engine=srp: rebuild");
+  }
+  if (bvh.is_wide() || bvh.node_format() != traces::NodeFormat::kFp32 || bvh.boxes != traces::BoxRecords::kPair ||
+      bvh.leaf != traces::LeafFormat::kTriangles || bvh.triangle_bytes != sizeof(traces::TriangleRecord) ||
+      bvh.instances != traces::InstanceLevels::kFlatten) {
+    complain("build.engine",
+             "is srp, whose kernels write binary float nodes and leaves of one level; allowed with "
+             "other formats of bvh: host, unit");
   }
 }
 
@@ -368,11 +401,12 @@ std::vector<std::string> latency_warnings(const RunConfig& config) {
 
 namespace {
 
-/// Returns the report of an idle unit, so that table entries of such units are valid for machines without one.
+/// Returns the report of an idle unit that a frame may not need, so that its table entries are valid for all frames.
 template <class Unit>
-sim::UnitReport absent_unit() {
+sim::UnitReport absent_unit(const std::string& path, const std::vector<sim::UnitPart>& parts = {}) {
   sim::UnitReport unit;
-  unit.path = hw::unit_name_in_core(Unit::kName, 0);
+  unit.path = path;
+  unit.parts = parts;
   unit.block = names_of(hw::Block{})[static_cast<std::size_t>(Unit::kBlock)];
   const typename Unit::Stats none;
   Unit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,
@@ -386,8 +420,9 @@ sim::UnitReport absent_unit() {
 
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config) {
   std::vector<sim::UnitReport> all(units.begin(), units.end());
-  all.push_back(absent_unit<hw::RasterUnit>());
-  all.push_back(absent_unit<hw::PredictorStage>());
+  all.push_back(absent_unit<hw::RasterUnit>(hw::unit_name_in_core(hw::RasterUnit::kName, 0)));
+  all.push_back(absent_unit<hw::PredictorStage>(hw::unit_name_in_core(hw::PredictorStage::kName, 0)));
+  all.push_back(absent_unit<hw::TreeBuilder>(hw::TreeBuilder::kName, config.gpu->tree_builder.parts()));
   std::vector<std::string> declared;
   for (const sim::UnitReport& unit : all) {
     for (const sim::CounterReport& counter : unit.counters) {

@@ -20,6 +20,7 @@
 #include "sim/report/thermal.h"
 #include "sim/unit_report.h"
 #include "tools/run/frame/job_options.h"
+#include "traces/accel/build_config.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/scenes/workload.h"
 
@@ -103,6 +104,7 @@ struct RunConfig {
   kernels::RenderConfig render;
   kernels::ProgramConfig programs;
   traces::BvhConfig bvh;
+  traces::BuildConfig build;
   sim::EnergyConfig energy;
   sim::PowerConfig power;
   sim::AreaConfig area;

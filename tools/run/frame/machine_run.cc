@@ -50,6 +50,7 @@ sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time el
 }
 
 void run_to_end(hw::Gpu& gpu) {
+  gpu.invalidate_first_level();
   const sim::Time last_edge = sim::run(gpu);
   if (!gpu.is_stopped()) gpu.finish(last_edge);
 }
@@ -147,7 +148,12 @@ std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels
   return simulate_variants(inputs, requirements, work, plain.result, plays, "replicating", threads, progress);
 }
 
-std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises,
+OptionalUnits optional_units_of(const RunConfig& config) {
+  return {.rasterisers = config.render.primary == kernels::Primary::kRaster,
+          .tree_builder = config.build.engine == traces::BuildEngine::kUnit};
+}
+
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, const OptionalUnits& units,
                                                const traces::BvhConfig& bvh) {
   traces::MemoryImage nothing;
   if (bvh.is_wide()) {
@@ -161,7 +167,8 @@ std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool
   // Kernels that no tile uses get no schedule: scheduling would dominate the time.
   hw::Gpu::Workload workload{
       .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
-  if (rasterises) workload.needs.raster = traces::RasterArraySizes{};
+  if (units.rasterisers) workload.needs.raster = traces::RasterArraySizes{};
+  if (units.tree_builder) workload.needs.build = traces::BuildArraySizes{};
   return std::make_unique<hw::Gpu>(config, workload, tiles)->unit_reports();
 }
 

@@ -18,9 +18,15 @@ struct GpuConfig;
 
 namespace tools {
 
+/// Units that a machine has only if the frame needs them.
+struct OptionalUnits {
+  bool rasterisers = false, tree_builder = false;
+};
+OptionalUnits optional_units_of(const RunConfig& config);
+
 /// Returns reports of all units of a machine before its first cycle: block, storage, cycle reasons, and counters with
-/// their energy events. `rasterises`: the machine has rasterisers. `bvh`: the trees for which its T&I units are built.
-std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, bool rasterises = false,
+/// their energy events. `bvh`: the trees for which its T&I units are built.
+std::vector<sim::UnitReport> idle_unit_reports(const hw::GpuConfig& config, const OptionalUnits& units = {},
                                                const traces::BvhConfig& bvh = {});
 
 /// Warms the caches of a machine, before its first cycle, with the last tiles of `frame`, as if it were the previous

@@ -35,7 +35,7 @@ constexpr double kVoltRounding = 1e-9;
 }  // namespace
 
 const std::array<ClockDomain, 3>& clock_domains() {
-  static const std::array<ClockDomain, 3> domains = {{{"tni", &hw::ClockConfig::tni, {"tni", "raster"}},
+  static const std::array<ClockDomain, 3> domains = {{{"tni", &hw::ClockConfig::tni, {"tni", "raster", "build"}},
                                                       {"srp", &hw::ClockConfig::srp, {"srp", "tile_buffer", "dma"}},
                                                       {"l2", &hw::ClockConfig::l2, {"l2", "interconnect"}}}};
   return domains;
@@ -75,7 +75,7 @@ double chip_leakage_mw(const sim::EnergyReport& energy, double ms) {
   double pj = 0;
   for (const ClockDomain& domain : clock_domains()) {
     for (const std::string& block : domain.blocks) {
-      const auto of_block = energy.blocks.find(block);  // a machine may have no rasteriser
+      const auto of_block = energy.blocks.find(block);  // a machine may have no rasteriser or builder
       if (of_block != energy.blocks.end()) pj += of_block->second.leakage.nominal;
     }
   }

@@ -29,8 +29,12 @@ namespace {
 /// Returns an empty in-memory trace for the work of a frame. `requested_by`: option or verb in errors.
 InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                    const kernels::FrameProgram& frame, const char* requested_by) {
-  traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
-                          requirements.raster};
+  traces::TileScope scope{traces::links_of(inputs.image),
+                          traces::counts_of(inputs.image),
+                          0,
+                          requirements.region_bytes,
+                          requirements.raster,
+                          requirements.build};
   scope.look_ups = inputs.config.gpu->tni.predictor.enabled;
   if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
   scope.kernels = static_cast<std::uint32_t>(kernels::kernel_catalogue().size());
@@ -54,12 +58,21 @@ kernels::RenderConfig render_settings_of(const Inputs& inputs, bool is_reference
 struct PreparedProgram {
   PreparedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),
+        programs(extras.reference ? reference_programs(inputs.config.programs) : inputs.config.programs),
         frame(kernels::make_program(
-            spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), inputs.config.programs,
-                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
+            spec, {inputs.image, inputs.camera, render_settings_of(inputs, extras.reference), programs,
+                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size,
+                   inputs.config.build.engine == traces::BuildEngine::kHost ? nullptr : &inputs.builds,
+                   extras.history != nullptr ? extras.history->get() : nullptr})) {
     if (extras.marks) frame->enable_marks();
   }
+  /// Keeps what the next frame's program needs of the finished frame.
+  void keep_state(const RenderResult& rendered, const SimulateOptions& extras) const {
+    if (extras.rates != nullptr) extras.rates->update_rates(rendered.sampling);
+    if (extras.history != nullptr) *extras.history = frame->make_history();
+  }
   const kernels::RateMap first;
+  const kernels::ProgramConfig programs;
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
 
@@ -99,6 +112,47 @@ std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::Fr
   return steps;
 }
 
+/// True if geometry moves from the frame before the first frame of a run to the first frame. Frame 0 has no frame
+/// before it, and moves as frame 1 does. Leaves the scene as it was.
+bool moves_before_first_frame(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+  if (scene.tracks.empty()) return false;
+  const std::uint32_t first = workload.first_frame;
+  traces::pose_workload(scene, workload, first == 0 ? 1 : first - 1);
+  return traces::pose_workload(scene, workload, first).geometry;
+}
+
+/// True if the tree of a frame whose scene has moved is refitted instead of rebuilt.
+bool is_refit(const Inputs& in) {
+  const traces::BuildConfig& build = in.config.build;
+  switch (build.policy) {
+    case traces::BuildPolicy::kUpdate:
+      break;
+    case traces::BuildPolicy::kRefit:
+      return true;
+    case traces::BuildPolicy::kRebuild:
+      return false;
+    case traces::BuildPolicy::kPeriod:
+      return in.frame % build.period != 0;
+    case traces::BuildPolicy::kCost:
+      return std::ranges::all_of(traces::cost_growth(in.built_costs, in.costs),
+                                 [&](double growth) { return growth <= 1 + build.cost_growth; });
+  }
+  return in.config.bvh.update == traces::BvhUpdate::kRefit;
+}
+
+/// Records the trees that the machine builds or refits for the current frame, and their cost.
+void note_built_trees(Inputs& in, bool refit) {
+  const traces::BuildConfig& build = in.config.build;
+  if (build.policy == traces::BuildPolicy::kCost) {
+    in.costs = traces::tree_costs(in.image, in.config.bvh);
+    if (!refit) in.built_costs = in.costs;
+  }
+  if (build.engine == traces::BuildEngine::kHost) return;
+  in.builds =
+      traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn, in.config.bvh.ploc_radius);
+  in.builds.engine = build.engine;
+}
+
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -108,6 +162,11 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 kernels::RenderConfig reference_render(kernels::RenderConfig render) {
   render.effect_rate = kernels::EffectRate::kFull;
   return render;
+}
+
+kernels::ProgramConfig reference_programs(kernels::ProgramConfig programs) {
+  programs.denoise.filter = kernels::DenoiseFilter::kOff;
+  return programs;
 }
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {
@@ -130,6 +189,9 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
   in.scene_size = scene_size_in_frame_0(scene, in.config.scene);
+  const bool charges = in.config.build.engine != traces::BuildEngine::kHost;
+  const bool moves = (charges || in.config.build.policy == traces::BuildPolicy::kCost) &&
+                     moves_before_first_frame(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
   in.scene.name = sim::with_escaped_bytes(in.scene.name);
@@ -141,10 +203,12 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   }
   phase("building the tree");
   in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), is_interrupted,
-                                        in.config.render.mip_maps);
+                                        in.config.render.mip_maps, in.config.render.roughness());
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parent_indices(in.image);
+  in.builds.engine = in.config.build.engine;
+  if (moves) note_built_trees(in, false);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
@@ -159,27 +223,45 @@ std::string inputs_text(const RunConfig& config) {
   std::string key;
   for (const sim::FieldInfo& field : sim::list_fields(config)) {
     const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
-    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps") {
+    if (is_of("scene.") || is_of("bvh.") || is_of("build.") || is_of("limits.") || field.path == "render.mip_maps" ||
+        field.path == "render.rough_reflections") {
       key += field.path + "=" + field.value + "\n";
     }
   }
   return key;
 }
 
-bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
-  if (in.frame == in.config.scene.last_frame) return false;
+bool pose_frame(Inputs& in, std::uint32_t frame) {
+  if (in.frame == frame) return false;
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
+  in.frame = frame;
+  in.builds = {.engine = in.config.build.engine, .trees = {}, .sizes = {}};
+  in.camera = in.moving.cameras.front();
+  if (moved.lights) in.image.lights = in.moving.lights;
+  in.update_seconds += sim::seconds_since(begin);
+  return moved.geometry;
+}
+
+void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
   if (progress != nullptr) progress->set_phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, in.frame + 1);
-  in.frame += 1;
-  in.camera = in.moving.cameras.front();
-  if (moved.geometry) {
-    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
-    in.parents = traces::parent_indices(in.image);
-  } else if (moved.lights) {
-    in.image.lights = in.moving.lights;
-  }
+  const bool refit = is_refit(in);
+  traces::BvhConfig bvh = in.config.bvh;
+  bvh.update = refit ? traces::BvhUpdate::kRefit : traces::BvhUpdate::kRebuild;
+  traces::update_memory_image(in.moving, bvh, host_threads(threads), in.image, is_interrupted);
+  in.parents = traces::parent_indices(in.image);
+  note_built_trees(in, refit);
   in.update_seconds += sim::seconds_since(begin);
+}
+
+void go_to_frame(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
+  if (pose_frame(in, frame)) update_tree(in, threads, progress);
+}
+
+bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
+  if (in.frame == in.config.scene.last_frame) return false;
+  go_to_frame(in, in.frame + 1, threads, progress);
   return true;
 }
 
@@ -201,6 +283,11 @@ void FrameResult::add(const FrameResult& frame) {
   replicate_seconds += frame.replicate_seconds;
   if (sampled) sampled->add(*frame.sampled);
   if (sliced) sliced->add(*frame.sliced);
+  if (denoise && frame.denoise) {
+    denoise->time += frame.denoise->time;
+    denoise->dram_bytes += frame.denoise->dram_bytes;
+    denoise->energy_pj += frame.denoise->energy_pj;
+  }
   for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
   for (std::size_t i = 0; i < sustained.size(); ++i) {
     sustained[i].frames.insert(sustained[i].frames.end(), frame.sustained[i].frames.begin(),
@@ -218,7 +305,7 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
     own.previous = previous.emplace(inputs, program, extras).frame.get();
   }
   FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, own);
-  if (extras.rates != nullptr && !s.is_partial()) extras.rates->update_rates(s.rendered.sampling);
+  if (!s.is_partial()) made.keep_state(s.rendered, extras);
   return s;
 }
 
@@ -326,7 +413,7 @@ RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& prog
   tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.release_work(work);
   if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
-  if (extras.rates != nullptr) extras.rates->update_rates(front_end.result().sampling);
+  made.keep_state(front_end.result(), extras);
   return front_end.result();
 }
 

@@ -22,6 +22,7 @@
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/sustained.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/tree_builds.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
 
@@ -47,6 +48,9 @@ struct Inputs {
   traces::MemoryImage image;
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
+  traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
+  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); only for build.policy: cost.
+  std::vector<double> built_costs, costs;
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none
@@ -60,6 +64,14 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
 void print_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Returns a text of all keys and values on which the result of load_inputs() depends. Equal texts mean equal inputs.
 std::string inputs_text(const RunConfig& config);
+/// Moves camera, lights and geometry of the scene to frame `frame`. True if geometry moved, which the tree lacks until
+/// update_tree().
+bool pose_frame(Inputs& inputs, std::uint32_t frame);
+/// Refits or rebuilds the tree for the geometry of the current frame. Throws Interrupted.
+void update_tree(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
+/// Poses the scene for frame `frame` of the sequence, then refits or rebuilds the tree if geometry moved. Throws
+/// Interrupted.
+void go_to_frame(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Throws Interrupted if an interrupt is pending.
 bool advance_frame(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
@@ -104,6 +116,28 @@ struct SlicedFrame {
   void add(const SlicedFrame& other);
 };
 
+/// Statistics of a sequence, and totals estimated from its simulated frames (docs/sequences.md).
+struct RepresentedFrames {
+  std::uint32_t frames = 0, simulated = 0, rounds = 0;
+  std::uint32_t asked = 0;                   ///< requested number of clusters; 0: automatic
+  std::uint64_t draw = 1;                    ///< seed of clusters and of the choice of frames
+  std::uint32_t first = 0;                   ///< number of the sequence's first frame
+  std::vector<std::uint32_t> cluster_of;     ///< cluster of each frame of the sequence
+  std::vector<std::uint32_t> cluster_sizes;  ///< number of frames of each cluster
+  Interval cycles, energy_pj;
+  std::map<std::string, Interval> counters;  ///< counters summed over units of the same kind, by path
+  double counting_seconds = 0;               ///< host seconds of counting the work of all frames
+};
+
+/// Cost of the denoiser of one or several frames: of its passes after the frame's tiles, or of an external unit. The
+/// costs of an external unit are in addition to those of the frame.
+struct DenoiseCost {
+  bool is_external = false;
+  sim::Time time = 0;
+  std::uint64_t dram_bytes = 0;
+  double energy_pj = 0;
+};
+
 /// Results of one or several frames on the machine.
 struct FrameResult {
   kernels::ProgramSpec program;
@@ -120,11 +154,13 @@ struct FrameResult {
   /// Tiles of the last frame, and how many of them are finished: all, unless SimulateOptions::keep_part kept an
   /// interrupted frame.
   std::uint32_t tiles = 0, finished_tiles = 0;
-  std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
-  std::optional<SlicedFrame> sliced;    ///< set if slices were requested
-  std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
-  std::vector<SustainStep> sustained;   ///< the same work at each of the governor's clocks, if thermal.minutes is set
-  double replicate_seconds = 0;         ///< host time of the replicates
+  std::optional<SampledFrame> sampled;           ///< set if the results are estimated from sampled tiles
+  std::optional<RepresentedFrames> represented;  ///< set if the results are estimated from some frames of a sequence
+  std::optional<SlicedFrame> sliced;             ///< set if slices were requested
+  std::optional<DenoiseCost> denoise;            ///< set if a denoiser was configured
+  std::vector<FrameResult> replicates;           ///< results of perturbed machines, without pictures
+  std::vector<SustainStep> sustained;  ///< the same work at each of the governor's clocks, if thermal.minutes is set
+  double replicate_seconds = 0;        ///< host time of the replicates
   std::vector<hw::TileAccount> tile_accounts;       ///< activity of each entry of the tile list, if costs are itemised
   std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
   hw::TileAccount rest;                             ///< activity that no tile requested, if costs are itemised
@@ -136,6 +172,8 @@ struct FrameResult {
 
 /// Returns the render settings of a run's reference program, where all effects are rendered at the full rate.
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
+/// Returns the keys of a run's reference program, which is not denoised.
+kernels::ProgramConfig reference_programs(kernels::ProgramConfig programs);
 
 /// Returns the number of tiles per row and column of the current frame.
 kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::ProgramSpec& program);
@@ -150,8 +188,10 @@ struct StartedFrame {
 /// Options of simulate_frame() and render_frame(): observers, recorded data and start state.
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< sampling rates of tiles, carried from frame to frame; null: none
-  bool marks = false;                 ///< keep a mark of how each sample was made, for debug pictures
-  bool keep_part = false;             ///< an interrupt keeps the finished tiles of the frame, if any
+  /// History of the denoiser, carried from frame to frame; null: none.
+  std::shared_ptr<const kernels::DenoiseHistory>* history = nullptr;
+  bool marks = false;      ///< keep a mark of how each sample was made, for debug pictures
+  bool keep_part = false;  ///< an interrupt keeps the finished tiles of the frame, if any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< trace file that receives the frame's work; null: none
   bool reference = false;  ///< the program is the reference: own section of the trace, settings of reference_render()

@@ -51,8 +51,7 @@ std::vector<std::string> technology_table_warnings(const RunConfig& config, std:
 }
 
 std::vector<std::string> technology_table_warnings(const RunConfig& config) {
-  const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return technology_table_warnings(config, idle_unit_reports(*config.gpu, rasterises, config.bvh));
+  return technology_table_warnings(config, idle_unit_reports(*config.gpu, optional_units_of(config), config.bvh));
 }
 
 void add_warnings(std::vector<std::string>& lines, const std::vector<std::string>& more) {

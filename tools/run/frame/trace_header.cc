@@ -172,9 +172,11 @@ Json trace_header(const Inputs& inputs, const JobOptions& options) {
           {"config", sim::dump_config(inputs.config)}};
 }
 
-Json recorded_frame(std::uint32_t number, double squared_error, const std::optional<double>& change) {
-  Json frame = {{"frame", number}, {"squared_error", squared_error}};
-  if (change) frame["squared_change_error"] = *change;
+Json recorded_frame(std::uint32_t number, const RecordedError& error) {
+  Json frame = {{"frame", number}, {"squared_error", error.squared}};
+  if (error.change) frame["squared_change_error"] = *error.change;
+  if (error.flip) frame["flip"] = *error.flip;
+  if (error.flicker) frame["flicker"] = *error.flicker;
   return frame;
 }
 

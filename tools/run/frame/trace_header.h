@@ -16,8 +16,13 @@ traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
 /// Returns, as JSON, counts of the frame program for a part of a trace (one frame, or its reference), such as samples
 /// traced. The recorded work lacks these counts.
 traces::Json recorded_result(const RenderResult& result);
-/// Returns a frame's JSON entry in a trace. `squared_error`, `change`: members of the picture's tools::PictureError.
-traces::Json recorded_frame(std::uint32_t number, double squared_error, const std::optional<double>& change = {});
+/// Errors of a frame's picture against its reference that a trace contains (tools::PictureError).
+struct RecordedError {
+  double squared = 0;
+  std::optional<double> change = {}, flip = {}, flicker = {};
+};
+/// Returns a frame's JSON entry in a trace.
+traces::Json recorded_frame(std::uint32_t number, const RecordedError& error);
 
 /// Parses the counts of samples and of continued rays that recorded_result() wrote for a part of a trace.
 RenderResult parse_recorded_result(const traces::Json& json);

@@ -71,7 +71,7 @@ std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOpti
   traces::TraceWriter writer(file, trace_header(inputs, options.job));
   render_frame(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image),
                options.job.threads, {.progress = &progress, .trace = &writer});
-  writer.end_frame(recorded_frame(inputs.frame, 0));
+  writer.end_frame(recorded_frame(inputs.frame, {}));
   writer.commit();
   JobOptions on_one_thread = options.job;
   on_one_thread.threads = 1;

@@ -198,6 +198,10 @@ std::vector<MetricPair> counter_pairs(const ReportFile& a, const ReportFile& b) 
 /// Returns the range of frame numbers in a report as text: "2 to 10".
 std::string frames_text(const ReportFile& report) {
   const auto frames = report.json.find("frames");
+  if (report.has("totals.representative.frames")) {
+    const double first = report.number("config.scene.first_frame"), last = report.number("config.scene.last_frame");
+    return fmt::format("{} to {}", first, last);
+  }
   const std::size_t count = frames != report.json.end() && frames->is_array() ? frames->size() : 0;
   const auto number = [&](std::size_t i) { return report.number(fmt::format("frames[{}].frame", i)); };
   return count == 0 ? "none" : fmt::format("{} to {}", number(0), number(count - 1));
@@ -376,6 +380,10 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
       out.push_back(fmt::format("{}: metrics are estimates (--tile-sampling), which may explain small differences",
                                 report.file.string()));
     }
+    if (report.has("totals.representative.frames")) {
+      out.push_back(fmt::format("{}: metrics are estimates (--representative), which may explain small differences",
+                                report.file.string()));
+    }
     if (report.has("totals.sliced.cycles.estimate")) {
       out.push_back(fmt::format("{}: metrics are sums of slices (--slices), which may explain small differences",
                                 report.file.string()));
@@ -413,6 +421,7 @@ void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threa
   };
   if (report.json.value("partial", false)) refuse("the run was interrupted");
   if (report.has("totals.sampled.tiles")) refuse("has estimates (--tile-sampling), and replicates simulate all tiles");
+  if (report.has("totals.representative.frames")) refuse("has estimates (--representative)");
   if (report.has("totals.sliced.cycles.estimate"))
     refuse("has sums of slices (--slices), and replicates simulate all tiles");
   const auto program = report.json.find("program");

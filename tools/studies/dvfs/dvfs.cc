@@ -132,7 +132,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   job.sets.insert(job.sets.begin(), "frame.start=warm");
   const Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);
-  check_table_names(idle_unit_reports(*inputs.config.gpu, false, inputs.config.bvh), inputs.config);
+  check_table_names(idle_unit_reports(*inputs.config.gpu, {}, inputs.config.bvh), inputs.config);
   DvfsCurve curve;
   curve.warnings = inputs.warnings;
   if (progress != nullptr) progress->expect_parts(static_cast<std::uint32_t>(factors.size()) + 1);

@@ -176,7 +176,7 @@ class Users {
  public:
   explicit Users(const RunConfig& config)
       : config_(config),
-        units_(idle_unit_reports(with_all_units(*config.gpu), true, config.bvh)),
+        units_(idle_unit_reports(with_all_units(*config.gpu), {.rasterisers = true, .tree_builder = true}, config.bvh)),
         counters_(counters_by_event(units_)) {}
 
   const std::vector<sim::UnitReport>& all_units() const { return units_; }

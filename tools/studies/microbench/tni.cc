@@ -136,6 +136,7 @@ struct EqualRays {
   std::vector<sim::Time> hits{};
   std::uint32_t ray_count() const { return kRays; }
   const std::uint32_t* ray_walk(std::uint32_t) const { return steps.data(); }
+  std::uint32_t ray_key(std::uint32_t) const { return 0; }
   void record_return_time(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 

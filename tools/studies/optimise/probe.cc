@@ -40,6 +40,7 @@ std::vector<std::string> probe_report_paths(RunConfig config, JobOptions options
   options.threads = 1;
   options.replicates = std::min(options.replicates, 2U);
   options.tile_sampling.clear();
+  options.representative.clear();
   options.slices.clear();
   options.image = "full";
   ReportFile report;

@@ -204,10 +204,8 @@ double SearchRun::exact_area(const Choice& choice, double quantile) {
   const Point point = planner_.make_point(choice_on_workload(choice, 0), "");
   if (!point.error.empty()) return 0;
   const RunConfig& config = keys_.config_of(point);
-  const bool rasterises = config.render.primary == kernels::Primary::kRaster;
-  return area_at(
-      sim::compute_area(idle_unit_reports(*config.gpu, rasterises, config.bvh), config.energy, config.area).total,
-      quantile);
+  const std::vector<sim::UnitReport> units = idle_unit_reports(*config.gpu, optional_units_of(config), config.bvh);
+  return area_at(sim::compute_area(units, config.energy, config.area).total, quantile);
 }
 
 Choice SearchRun::choice_on_workload(const Choice& machine, std::size_t workload) const {

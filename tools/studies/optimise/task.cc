@@ -85,8 +85,8 @@ bool Goal::has_limit_per_workload() const {
 }
 
 bool Goal::applies_to_each_workload() const {
-  using Fold = sweep::SetMetric::Kind;
-  return fold == Fold::kEach || (fold == Fold::kWorst && is_larger_better() != is_upper_limit());
+  using Workloads = sweep::SetMetric::Kind;
+  return fold == Workloads::kEach || (fold == Workloads::kWorst && is_larger_better() != is_upper_limit());
 }
 
 bool Goal::is_met(double value) const {

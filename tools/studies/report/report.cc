@@ -371,8 +371,7 @@ Json pictures_json(const Difference& d) {
 ///   against         entries of comparison_json() (schema raywatt-compare/1)
 ///   warnings        a list per entry
 ///   pictures        both pictures and their differences for each entry; `missing`: reason that there are none
-Json diff_data(const std::vector<ReportFile>& reports) {
-  const std::vector<std::string> names = short_names(reports);
+Json diff_data(const std::vector<ReportFile>& reports, const std::vector<std::string>& names) {
   std::vector<Comparison> against;
   std::vector<std::string> titles;
   Json warnings = Json::array(), pictures = Json::array();
@@ -517,7 +516,8 @@ std::string page_html(const Bundle& bundle, const std::string& kind, const std::
       json_for_html(pictures), bundle.libraries);
 }
 
-std::string page_of(const Bundle& bundle, const std::vector<fs::path>& inputs) {
+std::string page_of(const Bundle& bundle, const Options& options) {
+  const std::vector<fs::path>& inputs = options.inputs;
   if (inputs.size() == 1 && is_sweep(inputs.front())) {
     sim::Json data = sweep_data(inputs.front());
     const std::string title = data["name"].get<std::string>();
@@ -538,10 +538,10 @@ std::string page_of(const Bundle& bundle, const std::vector<fs::path>& inputs) {
     reports.push_back(load_report(path));
   }
   if (reports.size() == 1) return page_html(bundle, "run", run_title(reports[0]), run_data(reports[0]));
-  const std::vector<std::string> names = short_names(reports);
+  const std::vector<std::string> names = options.names.empty() ? short_names(reports) : options.names;
   const std::string title =
       names.size() == 2 ? fmt::format("{} against {}", names[1], names[0]) : "Runs against " + names[0];
-  return page_html(bundle, "diff", title, diff_data(reports));
+  return page_html(bundle, "diff", title, diff_data(reports, names));
 }
 
 }  // namespace
@@ -549,7 +549,7 @@ std::string page_of(const Bundle& bundle, const std::vector<fs::path>& inputs) {
 void write_report_page(const Options& options) {
   sim::check_output(options.out, {.mark = kPageMark, .kind = "page", .any = options.force});
   const Bundle bundle = load_bundle();
-  sim::write_file_atomically(options.out, page_of(bundle, options.inputs));
+  sim::write_file_atomically(options.out, page_of(bundle, options));
 }
 
 }  // namespace tools::pages

@@ -15,6 +15,7 @@ namespace tools::pages {
 
 struct Options {
   std::vector<std::filesystem::path> inputs;  ///< one run, several runs, or one sweep or search
+  std::vector<std::string> names;             ///< names of several runs; empty: short forms of their paths
   std::filesystem::path out;
   std::string counters;  ///< GPU whose counters are printed instead (vendor_counters.h); empty: none
   bool force = false;
@@ -45,15 +46,14 @@ bool is_sweep(const std::filesystem::path& folder);
 ///   name, question; goals: texts of a search
 ///   axes            [{field, levels}], levels in ascending order
 ///   metrics         [{field, name, show, unit, more}]; more: more is better
-///   noun            "machine" for a search or a set of workloads, whose rows in `points` are machines; otherwise "point"
-///   workloads       {names, figures: [{name, show, unit, fields}]}: metrics on each workload; null without a set
-///   points          [[n, status, axes..., metrics..., is_eligible, error, command], ...]
-///   has_constraints, limits: [[constraint, met, best value, its 95 % interval, room], ...]
-///   headlines       fields of the metrics that headlines show, the main one first
-///   best            row of the best point of each metric; ties: text on ties with the best in the main metric
-///   start           {x, y, front, near}: metrics and Pareto front of the scatter plot; null without metrics
-///   sensitivities   [{metric, points, is_grid, effects: [{axis, share, low, high, range, levels}]}]
-///   notices         warnings
+///   noun            "machine" for a search or a set of workloads, whose rows in `points` are machines; otherwise
+///   "point" workloads       {names, figures: [{name, show, unit, fields}]}: metrics on each workload; null without a
+///   set points          [[n, status, axes..., metrics..., is_eligible, error, command], ...] has_constraints, limits:
+///   [[constraint, met, best value, its 95 % interval, room], ...] headlines       fields of the metrics that headlines
+///   show, the main one first best            row of the best point of each metric; ties: text on ties with the best in
+///   the main metric start           {x, y, front, near}: metrics and Pareto front of the scatter plot; null without
+///   metrics sensitivities   [{metric, points, is_grid, effects: [{axis, share, low, high, range, levels}]}] notices
+///   warnings
 sim::Json sweep_data(const std::filesystem::path& folder);
 
 /// Returns bytes as a data: URL.

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,12 @@ struct Crop {
   double x = 0, y = 0, side = 0;
 };
 
+/// Rays of a frame that T&I units traverse alone: those of one bounce of its paths, or their shadow rays.
+struct Bounce {
+  std::uint32_t number = 0;
+  bool shadows = false;
+};
+
 /// One experiment of a paper: a scene and a setting, with a run, a reference run, and the metrics to measure.
 struct Case {
   View view;
@@ -49,6 +56,7 @@ struct Case {
   ProgramSetup reference{};
   bool machine = true;  ///< false: only the picture and sample counts are computed; no machine is simulated
   bool truth = false;   ///< true: PSNR compares with a picture of 256 samples per pixel, not with the reference
+  std::optional<Bounce> bounce{};  ///< only these rays are traversed, by T&I units without shader cores
   std::vector<PaperMetric> metrics{};
   std::string
       picture{};  ///< name of the output files figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
@@ -69,6 +77,8 @@ std::vector<Case> chiu_cases(bool quick);
 std::vector<Case> sgrt_unit_cases(bool quick);
 std::vector<Case> hybrid_cases(bool quick);
 std::vector<Case> wide_cases(bool quick);
+std::vector<Case> coherence_cases(bool quick);
+std::vector<Case> build_cases(bool quick);
 
 /// Returns all papers whose experiments can be reproduced.
 const std::vector<Paper>& all_papers();

@@ -143,7 +143,9 @@ std::vector<std::uint8_t> crop_picture(const std::vector<std::uint8_t>& picture,
 }
 
 std::string key_of(const Case& c, const ProgramSetup& program) {
-  return program.program_text() + (c.machine ? "" : " (picture)");
+  const std::string bounce =
+      c.bounce ? fmt::format(" (bounce {}{})", c.bounce->number, c.bounce->shadows ? " shadows" : "") : "";
+  return program.program_text() + (c.machine ? "" : " (picture)") + bounce;
 }
 
 /// Returns a text with characters replaced that are not allowed in file names.
@@ -185,6 +187,7 @@ JobOptions Runner::job_options(const Case& c, const ProgramSetup& program) const
 void Runner::set_view(const Case& c) {
   if (inputs_ && c.view == view_ && c.width == width_ && c.height == height_) return;
   results_by_program_.clear();
+  bounces_.clear();
   truth_.clear();
   masks_.clear();
   width_ = c.width;
@@ -216,11 +219,13 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
   out.box_bytes = records * traces::box_bytes(config.bvh.box_numbers(), config.bvh.boxes);
   out.node_bytes = inputs_->image.node_array_bytes();
-  out.bytes_per_triangle = traces::bvh_info(inputs_->image, config.bvh).bytes_per_triangle();
+  out.bytes_per_triangle = traces::bytes_per_triangle(inputs_->image);
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
   const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};
-  if (c.machine) {
+  if (c.bounce) {
+    play_bounce(c, program, out);
+  } else if (c.machine) {
     out.simulation = simulate_frame(*inputs_, spec, options_.threads, extras);
     if (!config.area.arrays.empty()) {
       out.area_mm2 = sim::compute_area(out.simulation.units, config.energy, config.area).total.nominal;
@@ -230,6 +235,22 @@ const ProgramResult& Runner::result_of(const Case& c, const ProgramSetup& progra
     out.simulation.rendered = render_frame(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads, extras);
   }
   return results_by_program_.emplace(key, std::move(out)).first->second;
+}
+
+void Runner::play_bounce(const Case& c, const ProgramSetup& program, ProgramResult& out) {
+  if (bounces_.empty() || bounces_program_ != program.program_text()) {
+    bounces_ = record_bounces(*inputs_, kernels::parse_program(program.name));
+    bounces_program_ = program.program_text();
+  }
+  if (c.bounce->number >= bounces_.size()) return;
+  const BounceRays& bounce = bounces_[c.bounce->number];
+  const std::vector<traces::Ray>& rays = c.bounce->shadows ? bounce.shadows : bounce.paths;
+  const traces::RayKind kind = c.bounce->shadows ? traces::RayKind::kShadow : traces::RayKind::kReflection;
+  out.bounce_rays = rays.size();
+  out.lines_per_1000_rays = lines_per_thousand_rays(*inputs_, rays, kind);
+  PlayedRays played = play_rays(*inputs_, rays, kind);
+  out.simulation.units = std::move(played.units);
+  out.simulation.cycles = played.cycles;
 }
 
 const std::vector<float>& Runner::truth_picture(const Case& c) {
@@ -255,7 +276,7 @@ std::vector<Measured> Runner::measure_case(const Case& c) {
   const std::vector<float>& other = c.truth ? truth_picture(c) : reference.simulation.rendered.rgb;
   Comparison comparison{.run = run,
                         .reference = reference,
-                        .squared_error = mean_squared_error(run.simulation.rendered.rgb, other),
+                        .squared_error = c.bounce ? 0 : mean_squared_error(run.simulation.rendered.rgb, other),
                         .reflective_share = reflective_share_};
   if (std::ranges::any_of(c.metrics, [](const PaperMetric& f) { return needs_masks(f.metric); })) {
     comparison.masked = masked_errors(pixel_masks(c), run.simulation.rendered.rgb, other);
@@ -323,6 +344,22 @@ std::uint64_t visits_of(const ProgramResult& o) {
 std::uint64_t triangle_tests_of(const ProgramResult& o) {
   return Units<hw::Ist>(o.simulation.units).sum_of(&hw::Ist::Stats::tests);
 }
+std::uint64_t trv_counter(const ProgramResult& o, std::uint64_t hw::Trv::Stats::*counter) {
+  return Units<hw::Trv>(o.simulation.units).sum_of(counter);
+}
+/// Returns the number of prefetched lines that a ray read, or needed before they arrived; 0 without a prefetcher.
+std::uint64_t needed_prefetches(const ProgramResult& o) {
+  if (trv_counter(o, &hw::Trv::Stats::prefetches) == 0) return 0;
+  return trv_counter(o, &hw::Trv::Stats::prefetches_useful) + trv_counter(o, &hw::Trv::Stats::prefetches_late);
+}
+/// Returns the share of the lines read by units of one kind that hit the L1 at the first probe.
+template <class Unit>
+Value first_hits(const ProgramResult& o) {
+  const Units<Unit> units(o.simulation.units);
+  const Value late = ratio_of(units.sum_of(&hw::FetchStats::l1_late),
+                              units.sum_of(&hw::FetchStats::l1_hits) + units.sum_of(&hw::FetchStats::rau_reads));
+  return late ? Value(1 - *late) : Value();
+}
 std::uint64_t lines_filled(const ProgramResult& o) { return l1_counter(o, &hw::FetchStats::l1_fills); }
 /// Returns the share of the cache lines read by T&I units that hit the L1 at the first probe.
 double l1_first_probe_hit_rate(const ProgramResult& o) {
@@ -382,7 +419,7 @@ Value masked_psnr(const Comparison& c) {
 
 constexpr std::string_view kMaskedPrefix = "psnr_at_";
 
-constexpr std::array<Metric, 47> kMetrics = {{
+constexpr std::array<Metric, 55> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"psnr_at_object_edges", "the same of pixels with different objects or normals", Shown::kDecibel, false,
@@ -450,6 +487,30 @@ constexpr std::array<Metric, 47> kMetrics = {{
      }},
     {"l1_fills_ratio", "lines brought into the T&I units' caches against the reference's", Shown::kFactor, true,
      [](const Comparison& c) { return ratio_of(lines_filled(c.run), lines_filled(c.reference)); }},
+    {"prefetch_accuracy", "prefetched lines that a ray needed", Shown::kShare, true,
+     [](const Comparison& c) {
+       return ratio_of(needed_prefetches(c.run), trv_counter(c.run, &hw::Trv::Stats::prefetches));
+     }},
+    {"prefetch_coverage", "lines that rays needed and that were prefetched", Shown::kShare, true,
+     [](const Comparison& c) {
+       const std::uint64_t prefetched = trv_counter(c.run, &hw::Trv::Stats::prefetches);
+       const std::uint64_t demanded =
+           Units<hw::Trv>(c.run.simulation.units).sum_of(&hw::FetchStats::l1_fills) - prefetched;
+       const std::uint64_t needed = needed_prefetches(c.run);
+       return ratio_of(needed, needed + demanded);
+     }},
+    {"bounce_rays", "rays of the bounce", Shown::kCount, true,
+     [](const Comparison& c) { return Value(static_cast<double>(c.run.bounce_rays)); }},
+    {"visits_per_ray", "nodes visited per ray", Shown::kCount, true,
+     [](const Comparison& c) { return ratio_of(visits_of(c.run), c.run.bounce_rays); }},
+    {"node_hits", "first probes of the node caches that hit", Shown::kShare, true,
+     [](const Comparison& c) { return first_hits<hw::Trv>(c.run); }},
+    {"triangle_hits", "first probes of the triangle caches that hit", Shown::kShare, true,
+     [](const Comparison& c) { return first_hits<hw::Ist>(c.run); }},
+    {"dram_bytes_per_ray", "bytes over the memory's buses per ray", Shown::kCount, true,
+     [](const Comparison& c) { return ratio_of(dram_bytes_of(c.run), c.run.bounce_rays); }},
+    {"lines_per_1000_rays", "distinct lines of nodes that 1,000 consecutive rays read", Shown::kCount, true,
+     [](const Comparison& c) { return c.run.lines_per_1000_rays == 0 ? Value() : Value(c.run.lines_per_1000_rays); }},
     {"box_bytes_ratio", "bytes of all boxes of the tree against the reference's", Shown::kFactor, false,
      [](const Comparison& c) { return ratio_of(c.run.box_bytes, c.reference.box_bytes); }},
     {"node_bytes_ratio", "the same of whole nodes", Shown::kFactor, false,

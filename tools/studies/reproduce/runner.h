@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tools/run/frame/run_job.h"
+#include "tools/studies/reproduce/bounces.h"
 #include "tools/studies/reproduce/plan.h"
 
 namespace tools::reproduce {
@@ -42,6 +43,8 @@ struct ProgramResult {
   std::uint64_t box_bytes = 0, node_bytes = 0;  ///< size of the BVH in memory: of its boxes alone, and of its nodes
   double bytes_per_triangle = 0;                ///< size of the BVH with its triangles
   double area_mm2 = 0;                          ///< nominal area of the machine; 0 without timing or area table
+  std::uint64_t bounce_rays = 0;                ///< rays of the bounce (Case::bounce)
+  double lines_per_1000_rays = 0;               ///< distinct lines of nodes that 1,000 of them read
   bool machine = true;                          ///< false: no timing was simulated, only the frame program was run
   const kernels::Sampling& sampling_counts() const { return simulation.rendered.sampling; }
 };
@@ -118,6 +121,8 @@ class Runner {
   void load_scene(const Case& c, const ProgramSetup& program);
   JobOptions job_options(const Case& c, const ProgramSetup& program) const;
   const ProgramResult& result_of(const Case& c, const ProgramSetup& program);
+  /// Plays the rays of one bounce alone.
+  void play_bounce(const Case& c, const ProgramSetup& program, ProgramResult& out);
   const std::vector<float>& truth_picture(const Case& c);
   const std::vector<Mask>& pixel_masks(const Case& c);
 
@@ -130,6 +135,8 @@ class Runner {
   std::optional<double> reflective_share_;
   /// Results for the current view and resolution, by program and settings.
   std::map<std::string, ProgramResult> results_by_program_;
+  std::vector<BounceRays> bounces_;  ///< rays of the current view by bounce, of the program `bounces_program_`
+  std::string bounces_program_;
   std::vector<float> truth_;
   std::vector<Mask> masks_;
 };

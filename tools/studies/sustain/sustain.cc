@@ -17,7 +17,7 @@ SustainStudy sustain_study(const SustainOptions& options, Progress* progress) {
   job.sets.emplace_back("power.voltage=dvfs");  // every frequency has its own voltage
   Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);
-  check_table_names(idle_unit_reports(*inputs.config.gpu, false, inputs.config.bvh), inputs.config);
+  check_table_names(idle_unit_reports(*inputs.config.gpu, {}, inputs.config.bvh), inputs.config);
   double& minutes = inputs.config.thermal.minutes;
   if (options.minutes > 0) minutes = options.minutes;
   if (minutes == 0) minutes = kUsualMinutes;

@@ -55,6 +55,11 @@ LimitRoom room_to(const Goal& goal, double value) {
   return {goal.text(), goal.distance_text(value), value, goal.distance_to_limit(value)};
 }
 
+double frame_count(const ReportFile& report) {
+  const double represented = report.number("totals.representative.frames");
+  return represented > 0 ? represented : static_cast<double>(report.json["frames"].size());
+}
+
 WorkloadResult workload_result(const std::vector<Goal>& goals, const WorkloadRun& run, const ReportFile& report) {
   WorkloadResult out;
   out.name = sim::printable(report.text("scene", "name"));
@@ -62,7 +67,7 @@ WorkloadResult workload_result(const std::vector<Goal>& goals, const WorkloadRun
   out.id = run.point.id;
   out.command = sim::printable(command_text(run.point.run_options().argv), 4096);
   out.fps = report.number("totals.perf.fps");
-  out.energy_mj = band_at(report, "totals.energy_mj") * (1 / static_cast<double>(report.json["frames"].size()));
+  out.energy_mj = band_at(report, "totals.energy_mj") * (1 / frame_count(report));
   out.target_fps = report.number("totals.at_fps.fps");
   out.power_w = band_at(report, out.target_fps > 0 ? "totals.power_at_fps_w" : "totals.power_w");
   if (report.has("totals.psnr_db")) out.psnr_db = report.number("totals.psnr_db");
@@ -156,8 +161,11 @@ std::vector<fs::path> write_pages(const Answer& answer, const Store& store, cons
   if (!any) print_message("warning: no machine meets the constraints; there is no page");
   for (std::size_t w = 0; any && w < any->workloads.size(); ++w) {
     pages::Options options;
-    for (const SideAnswer& side : answer.sides) {
-      if (side.best) options.inputs.push_back(store.folder_of(side.best->workloads[w].id));
+    for (const Side side : kSides) {
+      const std::optional<Machine>& best = answer[side].best;
+      if (!best) continue;
+      options.inputs.push_back(store.folder_of(best->workloads[w].id));
+      options.names.emplace_back(names_of(side).at(static_cast<std::size_t>(side)));
     }
     std::string name = any->workloads[w].name;
     std::ranges::replace_if(

@@ -8,6 +8,10 @@
 #include <utility>
 
 #include "sim/error.h"
+#include "traces/accel/build/append_tree.h"
+#include "traces/accel/build/binary_tree.h"
+#include "traces/accel/build/lbvh.h"
+#include "traces/accel/build/ploc.h"
 #include "traces/accel/embree_api.h"
 #include "traces/scene/bounds.h"
 
@@ -36,11 +40,6 @@ Bounds bounds_of(const TriangleRecord& t) {
   Bounds b;
   for (const glm::vec3& v : {t.v0, t.v1, t.v2}) b.add(v);
   return b;
-}
-
-float half_area(const Bounds& b) {
-  const glm::vec3 d = b.upper - b.lower;
-  return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
 /// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if Embree returns a null
@@ -74,48 +73,19 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   leaf->count = static_cast<std::uint32_t>(count);
   std::transform(primitives, primitives + count, leaf->triangle_indices(),
                  [](const RTCBuildPrimitive& p) { return p.primID; });
-  std::sort(leaf->triangle_indices(), leaf->triangle_indices() + count);
   return leaf;
 }
 
-/// Appends Embree's tree below `root` to `out` and returns the link word of its root.
-std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
-  if (root.count != 0) {
-    const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangle_indices();
-    const auto first = static_cast<std::uint32_t>(out.order.size());
-    out.order.insert(out.order.end(), triangles, triangles + root.count);
-    return leaf_link(first, root.count);
+/// Embree's tree as append_subtree() reads it.
+struct EmbreeTree {
+  static bool is_leaf(const TreeNode* node) { return node->count != 0; }
+  static const TreeNode* child(const TreeNode* node, int i) { return static_cast<const InnerNode*>(node)->child[i]; }
+  static const Bounds& box(const TreeNode* node, int i) { return static_cast<const InnerNode*>(node)->bounds[i]; }
+  static void append_items(const TreeNode* leaf, std::vector<std::uint32_t>& order) {
+    const std::uint32_t* indices = static_cast<const LeafNode*>(leaf)->triangle_indices();
+    order.insert(order.end(), indices, indices + leaf->count);
   }
-  const auto& node = static_cast<const InnerNode&>(root);
-  const auto index = static_cast<std::uint32_t>(out.nodes.size());
-  out.nodes.emplace_back();
-  const int larger = half_area(node.bounds[1]) > half_area(node.bounds[0]) ? 1 : 0;
-  for (int i = 0; i < 2; ++i) {
-    const int child = i ^ larger;
-    const std::uint32_t link = append_subtree(*node.child[child], out);
-    out.nodes[index].child[i] = link;
-    set_box(out.nodes[index], i, node.bounds[child]);
-  }
-  return index;
-}
-
-/// Appends the root of Embree's tree to `out` as an inner node. A single leaf or an empty tree gets an inner node as
-/// parent. `bounds` are those of the whole tree.
-void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
-  if (root != nullptr && root->count == 0) {
-    append_subtree(*root, out);
-    return;
-  }
-  NodeRecord& node = out.nodes.emplace_back();
-  for (int i = 0; i < 2; ++i) {
-    set_box(node, i, Bounds{});
-    node.child[i] = kNoChild;
-  }
-  if (root != nullptr) {
-    set_box(node, 0, bounds);
-    node.child[0] = append_subtree(*root, out);
-  }
-}
+};
 
 /// Called by Embree during the build. Throws to end the build, because Embree 3 ignores the return value.
 bool continue_build(void* stop, double) {
@@ -123,26 +93,15 @@ bool continue_build(void* stop, double) {
   return true;
 }
 
-Bounds bounds_of(const Bounds& box) { return box; }
-
-template <class Item>
-std::vector<RTCBuildPrimitive> primitives_of(std::span<const Item> items, Bounds& all) {
-  std::vector<RTCBuildPrimitive> primitives(items.size());
-  for (std::uint32_t i = 0; i < items.size(); ++i) {
-    const Bounds b = bounds_of(items[i]);
+/// Builds a tree over at least one box with Embree.
+FlatBvh build_with_embree(RTCDevice device, std::span<const Bounds> boxes, const BvhConfig& config, sim::Stop stop) {
+  Bounds all;
+  std::vector<RTCBuildPrimitive> primitives(boxes.size());
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    const Bounds& b = boxes[i];
     primitives[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, i};
     all.add(b.lower);
     all.add(b.upper);
-  }
-  return primitives;
-}
-
-FlatBvh build_tree(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const Bounds& all,
-                   const BvhConfig& config, sim::Stop stop) {
-  FlatBvh out;
-  if (primitives.empty()) {
-    append_root(nullptr, {}, out);
-    return out;
   }
   const EmbreeBvh bvh(rtcNewBVH(device));
   const std::size_t count = primitives.size();
@@ -175,10 +134,7 @@ FlatBvh build_tree(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, 
   }
 
   primitives = {};  // frees memory: the leaves have the indices
-  out.nodes.reserve(count);
-  out.order.reserve(count);
-  append_root(root, all, out);
-  return out;
+  return flat_tree(EmbreeTree{}, root, all, count);
 }
 
 }  // namespace
@@ -188,21 +144,33 @@ struct BvhBuilder::Device {
 };
 
 BvhBuilder::BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop)
-    : config_(config), stop_(stop), device_(new Device{open_embree("threads=" + std::to_string(threads))}) {}
+    : config_(config),
+      stop_(stop),
+      device_(config.builder == TreeBuilder::kEmbree ? new Device{open_embree("threads=" + std::to_string(threads))}
+                                                     : nullptr) {}
 BvhBuilder::~BvhBuilder() = default;
 
+FlatBvh BvhBuilder::build_tree(std::span<const Bounds> boxes, const BvhConfig& config) const {
+  if (boxes.empty()) return empty_tree();
+  if (device_ != nullptr) return build_with_embree(device_->embree.get(), boxes, config, stop_);
+  std::vector<std::uint32_t> clusters;
+  BinaryTree tree = config.builder == TreeBuilder::kPloc ? build_ploc(boxes, config, stop_, clusters)
+                                                         : build_lbvh(boxes, config, stop_);
+  FlatBvh out = flatten_tree(tree, config);
+  out.statistics.ploc_clusters = std::move(clusters);
+  return out;
+}
+
 FlatBvh BvhBuilder::build_over(std::span<const TriangleRecord> triangles) const {
-  Bounds all;
-  std::vector<RTCBuildPrimitive> primitives = primitives_of(triangles, all);
-  return build_tree(device_->embree.get(), std::move(primitives), all, config_, stop_);
+  std::vector<Bounds> boxes(triangles.size());
+  std::ranges::transform(triangles, boxes.begin(), [](const TriangleRecord& t) { return bounds_of(t); });
+  return build_tree(boxes, config_);
 }
 
 FlatBvh BvhBuilder::build_over(std::span<const Bounds> boxes) const {
-  Bounds all;
-  std::vector<RTCBuildPrimitive> primitives = primitives_of(boxes, all);
   BvhConfig config = config_;
   config.leaf_size = 1;
-  return build_tree(device_->embree.get(), std::move(primitives), all, config, stop_);
+  return build_tree(boxes, config);
 }
 
 }  // namespace traces

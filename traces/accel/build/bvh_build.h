@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/error.h"
+#include "traces/accel/build/build_statistics.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/bounds.h"
@@ -16,7 +17,15 @@ namespace traces {
 struct FlatBvh {
   std::vector<NodeRecord> nodes;
   std::vector<std::uint32_t> order;  ///< input indices of the triangles or boxes, in leaf order
+  BuildStatistics statistics;
 };
+
+/// Returns half the surface area of a box.
+inline double half_surface(const Bounds& b) {
+  if (b.empty()) return 0;
+  const double x = double{b.upper.x} - b.lower.x, y = double{b.upper.y} - b.lower.y, z = double{b.upper.z} - b.lower.z;
+  return x * y + y * z + z * x;
+}
 
 inline void set_box(NodeRecord& node, int child, const Bounds& b) {
   for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
@@ -32,7 +41,8 @@ inline void set_box(WideNode& node, std::uint32_t slot, const Bounds& b) {
   }
 }
 
-/// Builds bounding volume hierarchies with Embree's builder.
+/// Builds bounding volume hierarchies with the algorithm that `bvh.builder` selects. The tree does not depend on the
+/// number of threads.
 class BvhBuilder {
  public:
   /// The BVH build polls `stop` and throws sim::Cancelled once `stop` returns true.
@@ -45,9 +55,11 @@ class BvhBuilder {
 
  private:
   struct Device;
+  FlatBvh build_tree(std::span<const Bounds> boxes, const BvhConfig& config) const;
+
   const BvhConfig config_;
   const sim::Stop stop_;
-  const std::unique_ptr<const Device> device_;
+  const std::unique_ptr<const Device> device_;  ///< null unless Embree builds the trees
 };
 
 /// Moves record order[i] to index i for all i, in place, along the cycles of the permutation.

@@ -23,12 +23,6 @@ Bounds box_of(const NodeRecord& node, int child) {
   return {{node.x[child], node.y[child], node.z[child]}, {node.x[2 + child], node.y[2 + child], node.z[2 + child]}};
 }
 
-double half_surface(const Bounds& b) {
-  if (b.empty()) return 0;
-  const double x = double{b.upper.x} - b.lower.x, y = double{b.upper.y} - b.lower.y, z = double{b.upper.z} - b.lower.z;
-  return x * y + y * z + z * x;
-}
-
 /// The children of a wide node, at most kMaxWidth.
 class Children {
  public:

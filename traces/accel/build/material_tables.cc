@@ -68,7 +68,14 @@ std::uint32_t material_flags(const Material& m, const MaterialRecord& record) {
   return flags;
 }
 
-MaterialRecord material_record(const Material& m) {
+/// Returns the roughness bits of a material: 0 for smooth mirrors, for glass and for scenes that ignore roughness.
+std::uint32_t roughness_bits(const Material& m, Roughness roughness) {
+  const bool is_smooth = m.roughness < kLeastRoughness || m.transmission > 0;
+  if (roughness == Roughness::kOff || !m.facet_mirror || is_smooth) return 0;
+  return static_cast<std::uint32_t>(std::lround(m.roughness * 255)) << kRoughnessShift;
+}
+
+MaterialRecord material_record(const Material& m, Roughness roughness) {
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;
   MaterialRecord record{.base_colour = m.base_colour,
                         .diffuse_share = (1 - m.mirror) * (1 - m.transmission),
@@ -85,7 +92,12 @@ MaterialRecord material_record(const Material& m) {
     record.mirrored = glm::vec3(0);
     record.entering = m.transmission;
   }
-  record.flags = material_flags(m, record);
+  const std::uint32_t rough = m.metal_rough_texture.is_used() ? 0 : roughness_bits(m, roughness);
+  if (rough != 0) {
+    record.mirrored = *m.facet_mirror;
+    record.diffuse_share = (1 - m.metallic) * (1 - 0.5F * m.dielectric);
+  }
+  record.flags = material_flags(m, record) | rough;
   return record;
 }
 
@@ -111,14 +123,14 @@ std::uint32_t triangle_flags(const MaterialRecord& material) {
   return (has_alpha ? kAlphaFlag : 0) | (material.entering > 0 ? kTintFlag : 0);
 }
 
-MaterialTables material_tables(const Scene& scene, bool has_mip_maps) {
+MaterialTables material_tables(const Scene& scene, bool has_mip_maps, Roughness roughness) {
   std::vector<Material> materials = scene.materials;
   if (materials.empty()) materials.emplace_back();
   MaterialTables tables;
   tables.needs_density = has_mip_maps;
   for (const Material& m : materials) {
     check_material(m, scene.textures);
-    tables.records.push_back(material_record(m));
+    tables.records.push_back(material_record(m, roughness));
   }
   for (const Mesh& mesh : scene.meshes) {
     if (!mesh.colours.empty() && mesh.material < materials.size()) tables.records[mesh.material].flags |= kVertexed;

@@ -17,7 +17,7 @@ struct MaterialTables {
 
 /// Builds the material tables of a scene. Throws sim::InputError if a material names a missing texture, or if two uses
 /// of a texture need different encodings.
-MaterialTables material_tables(const Scene& scene, bool has_mip_maps);
+MaterialTables material_tables(const Scene& scene, bool has_mip_maps, Roughness roughness = Roughness::kOff);
 
 /// Returns the flags that hits on triangles of a material carry: kAlphaFlag, kTintFlag or neither.
 std::uint32_t triangle_flags(const MaterialRecord& material);

@@ -161,6 +161,7 @@ void append_nodes(const std::vector<Node>& nodes, const ObjectTree& tree, std::v
 void add_tree(const BvhBuilder& builder, const BvhConfig& config, ObjectTree& tree, MemoryImage& image) {
   const std::span<TriangleRecord> triangles = tree_records(image.triangles, tree);
   FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
+  image.build_statistics[1 + static_cast<std::size_t>(&tree - image.trees.data())] = std::move(bvh.statistics);
   tree.first_node = static_cast<std::uint32_t>(image.node_count());
   if (config.is_wide()) {
     WideBvh wide = collapse_tree(bvh, config, max_triangles_of_merged_leaf(config));
@@ -257,6 +258,7 @@ void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder&
     boxes[k] = pad_box(boxes[k], plan.placements[shown[k]], scene.instances[shown[k]].to_world, all);
   }
   FlatBvh top = builder.build_over(std::span<const Bounds>(boxes));
+  image.build_statistics[0] = std::move(top.statistics);
   if (!config.is_wide()) {
     name_instances(top.nodes, top.order, shown);
     std::ranges::copy(top.nodes, image.nodes.begin());
@@ -281,6 +283,7 @@ MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials
   MemoryImage image;
   image.trees = plan.trees;
   image.tree_of = plan.tree_of;
+  image.build_statistics.resize(1 + plan.trees.size());
   image.triangles.reserve(plan.triangles);
   for (const ObjectTree& tree : image.trees) {
     append_triangles(placed_mesh_of(scene, tree), materials, tree.first_triangle, image.triangles);

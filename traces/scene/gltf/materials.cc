@@ -226,6 +226,7 @@ void set_surface(Material& out, const Surface& s, const glm::vec3& mean_base) {
   out.roughness = s.roughness;
   out.dielectric = bends ? 0 : std::min(dielectric_share(s.ior) * s.specular, 1.0F);
   out.coat = s.coat * gloss_of(s.coat_roughness) * dielectric_share(1.5F);
+  out.facet_mirror = s.metallic * mean_base + (1 - s.metallic) * 0.5F * out.dielectric;
   out.transmission = s.transmission;
   out.ior = s.transmission > 0 && s.thin ? 1 : s.ior;
   out.absorption = s.absorption;

@@ -85,6 +85,7 @@ class Placements {
 ///   alpha    MASK and BLEND keep their alpha; opacity is the base colour's alpha
 ///   unlit    KHR_materials_unlit: the base colour is emitted; the surface neither receives nor casts light
 ///   Rough metals use their base colour as diffuse colour.
+///   facets   for images with GGX roughness: metallic x base colour + (1 - metallic) x F0
 ///
 /// Textures of base colour, metallic-roughness, normal, occlusion and emission are kept; textures of transmission,
 /// clear coat and specular are replaced by their mean.

@@ -27,6 +27,10 @@ std::string scene_digest(const Scene& scene) {
     add(mesh.uvs);
     add(mesh.triangles);
     add(std::vector<std::uint32_t>{mesh.material});
+    if (mesh.deformation != nullptr) {
+      add(mesh.deformation->joints);
+      add(mesh.deformation->weights);
+    }
   }
   for (const Instance& instance : scene.instances) {
     add(std::vector<std::uint32_t>{instance.mesh, instance.node});

@@ -67,7 +67,7 @@ class ModelLauncher : public tools::sweep::Launcher {
     const bool is_teapot = point.scene == "teapot" && figures.teapot_margin > 0;
     const tools::RunConfig& config = keys_.config_of(point);
     const double area =
-        sim::compute_area(tools::idle_unit_reports(*config.gpu, false), config.energy, config.area).total.nominal;
+        sim::compute_area(tools::idle_unit_reports(*config.gpu), config.energy, config.area).total.nominal;
     Json report = {{"schema", "raywatt-report/1"},
                    {"resolution", {1920, 1080}},
                    {"totals",

@@ -215,6 +215,9 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
        {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
       {"tile_sampling: 5%\nreference: full:4\n", {"do not go together"}},
       {"tile_sampling: 5%\nreplicates: 3\n", {"replicates and tile_sampling do not go together"}},
+      {"representative: 5%\n", {"sweep.yaml:3:17: representative: ", "5%"}},
+      {"representative: auto\nreference: full:4\n", {"representative: does not go with reference"}},
+      {"representative: auto\nreplicates: 3\n", {"representative: does not go with replicates"}},
       {"replicates: 0\n", {"sweep.yaml:3:13: replicates: '0' is not allowed"}},
   };
   for (const auto& [lines, parts] : wrong) {

@@ -67,6 +67,22 @@ TEST_F(SweepStreams, SampledTilesOfARecordAreThoseOfTheRenderedFrame) {
   EXPECT_NE(points[0].stream, points_of("scene: teapot\nsets: [render.tile=8, frame.start=warm]\n")[0].stream);
 }
 
+TEST_F(SweepStreams, RepresentativeFramesAreComputedWithoutARecord) {
+  const std::vector<Point> points = points_of(
+      "scene: teapot\nframes: 0:5\nresolution: 32x32\naxes: {cores: [1, 2]}\n"
+      "sets: [scene.camera_path=orbit, scene.orbit=180, scene.frame_rate=1]\nrepresentative: 2\n");
+  PointComputer computer(store, 1);
+  std::vector<nlohmann::json> sequences;
+  for (const Point& point : points) {
+    EXPECT_EQ(point.stream, "");
+    EXPECT_EQ(computer.compute_point(point, {.record = true}), PointStatus::kComputed);
+    const auto report = nlohmann::json::parse(report_in(store, point));
+    EXPECT_EQ(report["totals"]["representative"]["frames"], 6);
+    sequences.push_back(report["sequence"]);
+  }
+  EXPECT_EQ(sequences[0], sequences[1]) << "all machines simulate the same frames";
+}
+
 TEST_F(SweepStreams, ADamagedStreamIsThrownAway) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\n");
   PointComputer computer(store, 1), alone(other, 1);

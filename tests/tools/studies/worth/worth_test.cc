@@ -263,6 +263,7 @@ TEST_F(WorthVerb, WritesAPageOfBothMachines) {
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out, "");
   EXPECT_SAYS(read_bytes(page), "tni.trv.box_testers");
+  EXPECT_SAYS(read_bytes(page), "with against without");
 
   folder.write("worth.yaml", kHead + kSides + "workloads: [cornell, teapot]\n" + kSpace);
   fs::remove(page);

@@ -191,10 +191,10 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     std::optional<Recording> recording;
     if (record && !key.stream.empty() && point.tile_sampling.empty())
       recording = begin_recording(key.stream, inputs, options);
-    RenderedFrames frames(inputs, make_plan(options), threads_, nullptr);
+    const std::unique_ptr<FrameSource> frames = make_frames(inputs, make_plan(options), threads_, nullptr);
     RunOptions how{.trace = recording ? recording->trace.get() : nullptr};
     if (point.image) how.on_frame = [&](const SimulatedFrame& played) { write_picture(played, folder / "image.png"); };
-    const RunResult result = run_all(frames, how);
+    const RunResult result = run_all(*frames, how);
     if (recording) recording->trace->commit();
     write_results(
         folder, report_json({inputs, options, result.report_totals(), result.frames, false, sim::seconds_since(begin)}),

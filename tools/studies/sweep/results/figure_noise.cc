@@ -48,9 +48,11 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 /// Returns the report path of the replicate statistics of a metric of `totals`.
 std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
 
-/// Returns the relative half-width of the 95 % interval of a metric estimated by tile sampling; 0 for an exact metric.
+/// Returns the relative half-width of the 95 % interval of a metric estimated from sampled tiles or representative
+/// frames; 0 for an exact metric.
 double sampling_error(const ReportFile& report, const std::string& figure) {
-  const std::string path = "totals.sampled." + figure;
+  const bool has_frames = report.has("totals.representative.frames");
+  const std::string path = (has_frames ? "totals.representative." : "totals.sampled.") + figure;
   const double estimate = report.number(path + ".estimate");
   return estimate == 0 ? 0 : (report.number(path + ".high") - report.number(path + ".low")) / 2 / estimate;
 }

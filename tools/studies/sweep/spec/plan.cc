@@ -279,6 +279,7 @@ void check_slicing(const Spec& spec) {
       throw sim::InputError(fmt::format("does not go with {}: {}", key, why));
     };
     if (!spec.tile_sampling.empty()) refuse("tile_sampling", "a sample of the tiles is not cut");
+    if (!spec.representative.empty()) refuse("representative", "representative frames are not cut");
     if (!spec.reference.empty()) refuse("reference", "compare two points of equal slices");
     if (spec.replicates != 1) refuse("replicates", "they are played from one record of the whole frame");
     if (spec.image) refuse("image", "slices have parts of it, which are not joined");
@@ -310,6 +311,7 @@ Point unkeyed_point(const Spec& spec, const fs::path& folder, const Choice& choi
   Point point;
   point.config = resolve_file_name(spec.config, folder);
   point.reference = spec.reference;
+  point.representative = spec.representative;
   point.image = spec.image;
   point.replicates = spec.replicates;
   point.slices = spec.slices;
@@ -354,6 +356,12 @@ Planner::Planner(Spec spec, const fs::path& folder)
   }
   if (!spec_.tile_sampling.empty() && spec_.replicates != 1) {
     throw sim::InputError("replicates and tile_sampling do not go together: replicates play all tiles");
+  }
+  if (!spec_.representative.empty()) {
+    at_key(spec_, "representative", [&] {
+      if (!spec_.reference.empty()) throw sim::InputError("does not go with reference; allowed: one of the two");
+      if (spec_.replicates != 1) throw sim::InputError("does not go with replicates; allowed: one of the two");
+    });
   }
   if (spec_.slices != 0) check_slicing(spec_);
 }

@@ -124,8 +124,9 @@ Point parse_point_line(const std::string& line, const std::string& where) {
 
 namespace {
 
-/// True if points that differ only in the machine can share the recorded work: no picture or slices.
-bool can_share(const Point& point) { return !point.image && point.slices == 0; }
+/// True if points that differ only in the machine can share the recorded work: no picture, slices or representative
+/// frames, which each machine chooses.
+bool can_share(const Point& point) { return !point.image && point.slices == 0 && point.representative.empty(); }
 
 }  // namespace
 
@@ -177,6 +178,7 @@ PointKeys::Key PointKeys::make_key(const Point& point, const ConfigVariants& app
                  {"image", point.image},
                  {"replicates", point.replicates},
                  {"slices", point.slices}};
+  if (!point.representative.empty()) key.made_of["representative"] = point.representative;
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {

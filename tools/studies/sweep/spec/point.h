@@ -37,14 +37,14 @@ struct Point {
   std::string id;                                         ///< 64 hexadecimal digits: equal ids, equal results
   std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as written in the sweep's file
   std::string config = "sgrt-2016";
-  std::string scene, camera, frames, resolution;             ///< empty: as in the configuration
-  std::string program = "full:1", reference, tile_sampling;  ///< the last two are empty if there is none
-  bool image = false;                                        ///< keep the picture
-  std::uint32_t replicates = 1;                              ///< perturbed repetitions
-  std::uint32_t slices = 0;                                  ///< slices of each frame; 0: frames are not cut
-  std::uint32_t slice = 0;                                   ///< number of this slice, from 1; 0: the whole point
-  std::string whole;                                         ///< id of the whole point of a slice
-  std::vector<std::string> sets;                             ///< "key=value"
+  std::string scene, camera, frames, resolution;                             ///< empty: as in the configuration
+  std::string program = "full:1", reference, tile_sampling, representative;  ///< the last three may be empty
+  bool image = false;                                                        ///< keep the picture
+  std::uint32_t replicates = 1;                                              ///< perturbed repetitions
+  std::uint32_t slices = 0;       ///< slices of each frame; 0: frames are not cut
+  std::uint32_t slice = 0;        ///< number of this slice, from 1; 0: the whole point
+  std::string whole;              ///< id of the whole point of a slice
+  std::vector<std::string> sets;  ///< "key=value"
   std::string stream;  ///< key of the recorded rays, which points share that differ only in the machine; may be empty
   std::string error;   ///< contradiction between its values, which prevents a simulation; usually empty
 
@@ -70,7 +70,8 @@ inline constexpr PointText kPointTexts[] = {
     {"resolution", "--resolution", &Point::resolution, &JobOptions::resolution},
     {"program", "--program", &Point::program, &JobOptions::program},
     {"reference", "--reference", &Point::reference, &JobOptions::reference},
-    {"tile_sampling", "--tile-sampling", &Point::tile_sampling, &JobOptions::tile_sampling}};
+    {"tile_sampling", "--tile-sampling", &Point::tile_sampling, &JobOptions::tile_sampling},
+    {"representative", "--representative", &Point::representative, &JobOptions::representative}};
 
 /// Returns the slices of a point in order; none if it is not cut into slices.
 std::vector<Point> slices_of(const Point& point);

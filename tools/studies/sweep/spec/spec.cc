@@ -17,6 +17,7 @@
 #include "sim/io/printable.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/sampling/frame_sample.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/studies/sweep/spec/set_metric.h"
 #include "traces/scene/did_you_mean.h"
@@ -31,10 +32,10 @@ constexpr std::string_view kSpecSchema = "raywatt-sweep/1";
 constexpr std::uint64_t kMostSlices = 10'000;
 constexpr std::array<std::pair<std::string_view, std::string Spec::*>, 4> kTextKeys = {
     {{"question", &Spec::question}, {"config", &Spec::config}, {"scene", &Spec::scene}, {"camera", &Spec::camera}}};
-constexpr std::array<std::string_view, 21> kSpecKeys = {
-    "schema",     "question", "config",    "sets",      "scene",         "camera",     "frames",
-    "resolution", "program",  "reference", "workloads", "programs",      "axes",       "exclude",
-    "where",      "subset",   "image",     "slices",    "tile_sampling", "replicates", "slurm"};
+constexpr std::array<std::string_view, 22> kSpecKeys = {
+    "schema",  "question",  "config",        "sets",       "scene", "camera",        "frames", "resolution",
+    "program", "reference", "workloads",     "programs",   "axes",  "exclude",       "where",  "subset",
+    "image",   "slices",    "tile_sampling", "replicates", "slurm", "representative"};
 
 }  // namespace
 
@@ -589,6 +590,8 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
       spec.reference = parsable_text(entry, kernels::parse_program);
     } else if (key == "tile_sampling") {
       spec.tile_sampling = parsable_text(entry, [](const std::string& text) { parse_tile_sampling(text, "full"); });
+    } else if (key == "representative") {
+      spec.representative = parsable_text(entry, parse_representative);
     } else if (key == "replicates") {
       spec.replicates = static_cast<std::uint32_t>(entry.whole_number(1, kMostReplicates));
     } else if (key == "slices") {

@@ -107,7 +107,7 @@ struct Subset {
 struct Spec {
   std::string question;  ///< the question that the sweep answers, for readers
   std::string config = "sgrt-2016";
-  std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling;
+  std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling, representative;
   bool image = false;
   std::uint32_t replicates = 1;  ///< perturbed repetitions of each point (docs/noise.md)
   std::uint32_t slices = 0;      ///< slices of each frame (docs/slices.md); 0: frames are not cut

@@ -1,0 +1,188 @@
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/full_size.h"
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
+#include "traces/accel/tree_builds.h"
+#include "traces/scenes/library.h"
+
+// Tests of frames whose trees the machine builds.
+
+namespace hw {
+namespace {
+
+using test::difference;
+using test::Engine;
+using test::Method;
+using test::Outcome;
+using test::play;
+
+kernels::RenderConfig small(std::uint32_t width = 32, std::uint32_t height = 16) {
+  kernels::RenderConfig render;
+  render.width = width;
+  render.height = height;
+  render.tile = 16;
+  return render;
+}
+
+Method method(const traces::BvhConfig& bvh = {}, const char* scene = "cornell") {
+  return {traces::open_scene(scene), "full:1", {}, small(), bvh};
+}
+
+std::uint64_t of_builder(const Outcome& run, const char* counter) { return run.sum("tree_builder", counter); }
+
+traces::BvhConfig two_levels() {
+  traces::BvhConfig bvh;
+  bvh.instances = traces::InstanceLevels::kTwoLevel;
+  return bvh;
+}
+
+std::vector<traces::BvhConfig> formats() {
+  std::vector<traces::BvhConfig> all(6);
+  all[1].boxes = traces::BoxRecords::kSingle;
+  all[2].triangle_bytes = 36;
+  all[3].width = 8;
+  all[3].format = traces::NodeFormat::kQ8;
+  all[3].leaf_size = 1;
+  all[4].leaf = traces::LeafFormat::kPair64;
+  all[5] = two_levels();
+  return all;
+}
+
+TEST(BuiltTrees, AreWrittenToTheLastByte) {
+  for (const traces::BvhConfig& bvh : formats()) {
+    const Method plain = method(bvh);
+    Method built = method(bvh);
+    const Outcome run = play(built.build_trees(), {});
+    const traces::Layout& layout = built.image().layout;
+    std::uint64_t bytes = layout.tree_bytes, triangles = built.image().triangles.size();
+    if (layout.has_labels()) bytes += triangles * traces::Layout::kLabelBytes;
+    if (bvh.instances == traces::InstanceLevels::kTwoLevel) {
+      // Shared meshes do not move: the tree over instances and the instances remain.
+      bytes = built.image().trees.front().first_node * sizeof(traces::NodeRecord) +
+              built.image().instances.size() * sizeof(traces::InstanceRecord);
+      EXPECT_EQ(of_builder(run, "instances"), built.image().instances.size());
+      triangles = 0;
+    }
+    EXPECT_EQ(of_builder(run, "tree_bytes_written"), bytes);
+    EXPECT_EQ(of_builder(run, "triangles"), triangles);
+    EXPECT_EQ(of_builder(run, "leaves_written"), triangles + of_builder(run, "instances"));
+    const Outcome without = play(plain, {});
+    EXPECT_EQ(run.function.rgb, without.function.rgb);
+    EXPECT_GT(run.cycles, without.cycles);
+  }
+}
+
+TEST(BuiltTrees, DelayTheTilesOrOverlapThem) {
+  TreeBuilderConfig slow;
+  slow.clocks = 1000;
+  GpuConfig config;
+  config.tree_builder = slow;
+  const Method plain = method({}, "teapot");
+  Method before = method({}, "teapot"), during = method({}, "teapot");
+  const std::uint64_t tiles = play(plain, config).cycles;
+  const Outcome first = play(before.build_trees(), config), both = play(during.build_trees(false, true), config);
+  const std::uint64_t build = before.image().triangles.size() * slow.clocks;
+  EXPECT_GT(first.cycles, build + tiles / 4) << "rays find the tree in the L2";
+  EXPECT_LT(both.cycles, first.cycles - tiles / 8);
+  EXPECT_GE(both.cycles, build);
+  EXPECT_EQ(of_builder(first, "tree_bytes_written"), of_builder(both, "tree_bytes_written"));
+  EXPECT_EQ(first.function.rgb, both.function.rgb);
+}
+
+TEST(BuiltTrees, AreInTheL2WhenRaysReadThem) {
+  const Method plain = method();
+  Method built = method();
+  const Outcome cold = play(plain, {}), after_build = play(built.build_trees(), {});
+  // The tree is smaller than the L2. The builder misses for vertices only, which are fewer lines than the tree.
+  EXPECT_LT(after_build.sum("l2.bank", "misses"), cold.sum("l2.bank", "misses"));
+}
+
+TEST(BuiltTrees, InvalidateTheFirstLevelCachesOfAWarmFrame) {
+  Method built = method();
+  const auto program = built.build_trees().make();
+  TileSource no_tiles;
+  Gpu warmed({}, built.workload(), no_tiles);
+  for (std::uint32_t tile = static_cast<std::uint32_t>(built.builds().trees.size()); tile < program->tiles(); ++tile) {
+    kernels::TileResult result;
+    program->run_tile(tile, built.tracer(), true, result);
+    warmed.warm_caches(result.work, 0);
+  }
+  warmed.invalidate_first_level();
+  const CacheContents contents = warmed.cache_contents();
+  for (const CacheTags& tags : contents.first_level) {
+    for (const traces::BuildWork::Range& range : built.builds().trees.front().job.output) {
+      for (Addr at = 0; at < range.bytes; at += kLineBytes) {
+        EXPECT_FALSE(tags.has_line(built.image().layout.nodes + range.offset + at));
+      }
+    }
+  }
+  std::uint64_t lines = 0;
+  for (const sim::UnitReport& unit : warmed.unit_reports()) {
+    for (const sim::CounterReport& counter : unit.counters) {
+      if (counter.name == std::string("lines_invalidated")) lines += counter.value;
+    }
+  }
+  EXPECT_GT(lines, 10U);
+}
+
+TEST(BuiltTrees, AFrameWithoutMotionTakesNoTime) {
+  const Method plain = method();
+  Method still = method();
+  still.build_nothing();
+  const Outcome with_unit = play(still, {});
+  EXPECT_EQ(with_unit.cycles, play(plain, {}).cycles);
+  EXPECT_EQ(of_builder(with_unit, "writes"), 0U);
+}
+
+TEST(TreesOfKernels, AreWrittenToTheLastByteAndMoveMoreThanTheBuilder) {
+  const Method plain = method({}, "teapot");
+  Method kernels = method({}, "teapot"), unit = method({}, "teapot");
+  kernels.build_trees(false, false, traces::BuildEngine::kSrp);
+  const Outcome run = play(kernels, {}), by_unit = play(unit.build_trees(), {}), host = play(plain, {});
+  EXPECT_EQ(run.function.rgb, host.function.rgb);
+  const auto lines = [](const Outcome& o) { return o.sum("dma", "lines_written") + o.sum("dma", "lines_read"); };
+  const double by_kernels = 64.0 * static_cast<double>(lines(run) - lines(host));
+  std::uint64_t bytes = 0;
+  for (const char* counter :
+       {"input_bytes", "record_bytes_written", "record_bytes_read", "node_bytes_read", "tree_bytes_written"}) {
+    bytes += of_builder(by_unit, counter);
+  }
+  EXPECT_GT(by_kernels / static_cast<double>(bytes), 2.0);
+  EXPECT_LT(by_kernels / static_cast<double>(bytes), 3.5);
+  const auto written = run.sum("dma", "lines_written") - host.sum("dma", "lines_written");
+  EXPECT_GE(64 * written, kernels.image().layout.tree_bytes);
+}
+
+TEST(TreesOfKernels, AreTheSameOnAnyEngine) {
+  const std::uint64_t machines = ::test::is_full_size() ? 30 : 2;
+  for (std::uint64_t seed = 0; seed < machines; ++seed) {
+    Method built = method();
+    built.build_trees(false, false, traces::BuildEngine::kSrp);
+    const GpuConfig config = test::random_config(2000 + seed);
+    const Outcome fast = play(built, config);
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kOracle)), "") << seed;
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kShuffled, seed)), "") << seed;
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kFast, 0, 2)), "") << seed;
+  }
+}
+
+TEST(BuiltTrees, AreTheSameOnAnyEngine) {
+  const std::uint64_t machines = ::test::is_full_size() ? 30 : 4;
+  for (std::uint64_t seed = 0; seed < machines; ++seed) {
+    Method built = method(seed % 3 == 2 ? two_levels() : traces::BvhConfig{});
+    built.build_trees(seed % 2 == 1, seed % 4 == 3);
+    const GpuConfig config = test::random_config(1000 + seed);
+    const Outcome fast = play(built, config);
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kOracle)), "") << seed;
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kShuffled, seed)), "") << seed;
+    EXPECT_EQ(difference(fast, play(built, config, Engine::kFast, 0, 2)), "") << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hw

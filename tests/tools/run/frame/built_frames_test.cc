@@ -1,0 +1,111 @@
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tools/run/frame/run_job.h"
+
+// Tests of runs that charge the machine for the trees of moving scenes.
+
+namespace tools {
+namespace {
+
+JobOptions options_of(const std::string& scene, std::vector<std::string> sets, const std::string& frames = "0:3") {
+  JobOptions options;
+  options.scene = scene;
+  options.program = "full:1";
+  options.resolution = "32x16";
+  options.frames = frames;
+  options.sets = {"render.tile=16"};
+  if (scene != "cornell") options.sets.emplace_back("scene.triangles=3000");
+  options.sets.insert(options.sets.end(), sets.begin(), sets.end());
+  options.threads = 1;
+  return options;
+}
+
+/// Returns a letter per frame of a run: b if its trees are built, r if one is refitted, - if nothing is charged.
+std::string builds_of(const JobOptions& options) {
+  Inputs inputs = load_inputs(options);
+  std::string letters;
+  for_each_frame(inputs, 1, nullptr, [&] {
+    bool refits = false;
+    for (const traces::TreeBuild& build : inputs.builds.trees) refits |= build.job.refit;
+    letters += inputs.builds.trees.empty() ? '-' : refits ? 'r' : 'b';
+  });
+  return letters;
+}
+
+TEST(BuiltFrames, AreRebuiltOrRefittedByPolicy) {
+  const auto with = [](const std::vector<std::string>& sets) {
+    std::vector<std::string> all = {"build.engine=unit"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    return builds_of(options_of("car", all));
+  };
+  EXPECT_EQ(with({}), "bbbb");
+  EXPECT_EQ(with({"bvh.update=refit"}), "brrr");
+  EXPECT_EQ(with({"build.policy=rebuild", "bvh.update=refit"}), "bbbb");
+  EXPECT_EQ(with({"build.policy=refit"}), "brrr");
+  EXPECT_EQ(with({"build.policy=period", "build.period=2"}), "brbr");
+  EXPECT_EQ(with({"build.policy=cost", "build.cost_growth=1000"}), "brrr");
+  EXPECT_EQ(builds_of(options_of("car", {"build.engine=unit", "build.policy=period", "build.period=2"}, "3:4")), "bb")
+      << "the first frame of a run is built";
+}
+
+TEST(BuiltFrames, ChargeOnlyMovingGeometry) {
+  EXPECT_EQ(builds_of(options_of("car", {}, "0:1")), "--") << "the host builds";
+  EXPECT_EQ(builds_of(options_of("cornell", {"build.engine=unit", "scene.camera_path=orbit"}, "0:1")), "--");
+}
+
+FrameResult first_frame(const JobOptions& options) {
+  return simulate_frame(load_inputs(options), kernels::parse_program(options.program), 1);
+}
+
+hw::test::Outcome outcome_of(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
+
+TEST(BuiltFrames, CostTimeAndEnergyOfTheirEngine) {
+  const FrameResult host = first_frame(options_of("car", {}, "0"));
+  const FrameResult unit = first_frame(options_of("car", {"build.engine=unit"}, "0"));
+  const FrameResult srp = first_frame(options_of("car", {"build.engine=srp"}, "0"));
+  EXPECT_GT(unit.cycles, host.cycles);
+  EXPECT_GT(srp.cycles, host.cycles);
+  EXPECT_FALSE(host.energy.blocks.contains("build"));
+  EXPECT_FALSE(srp.energy.blocks.contains("build"));
+  ASSERT_TRUE(unit.energy.blocks.contains("build"));
+  EXPECT_GT(unit.energy.blocks.at("build").dynamic.nominal, 0);
+  EXPECT_GT(outcome_of(unit).sum("tree_builder", "tree_bytes_written"), 48U * 1000);
+  EXPECT_EQ(host.rendered.rgb, unit.rendered.rgb);
+  EXPECT_EQ(host.rendered.rgb, srp.rendered.rgb);
+}
+
+TEST(BuiltFrames, InvalidateWarmCaches) {
+  const FrameResult cold = first_frame(options_of("car", {"build.engine=unit"}, "0"));
+  const FrameResult warm = first_frame(options_of("car", {"build.engine=unit", "frame.start=warm"}, "0"));
+  EXPECT_EQ(outcome_of(cold).sum("tree_builder", "lines_invalidated"), 0U);
+  EXPECT_GT(outcome_of(warm).sum("tree_builder", "lines_invalidated"), 100U);
+}
+
+std::string complaint(std::vector<std::string> sets) {
+  try {
+    load_run_config(options_of("car", std::move(sets)));
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(BuiltFrames, RefuseWhatNoEngineBuilds) {
+  const auto names = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  EXPECT_EQ(complaint({"build.engine=srp"}), "none");
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "build.policy=refit"}), "build.policy"));
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.update=refit"}), "build.policy"));
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.width=4"}), "build.engine"));
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.instances=two_level"}), "build.engine"));
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "build.overlap=on"}), "overlap"));
+  EXPECT_TRUE(names(complaint({"build.engine=unit", "bvh.builder=ploc"}), "tree_builder.comparators"));
+  EXPECT_EQ(complaint({"build.engine=unit", "bvh.builder=ploc", "tree_builder.comparators=16"}), "none");
+}
+
+}  // namespace
+}  // namespace tools
