@@ -123,8 +123,9 @@ using StoredMoments = std::conditional_t<kHalf, Stored<V, WordRecord>, Stored<V,
 inline constexpr float kMotionSteps = 32, kNoMotion = 32768;
 /// Scale and offset of a normal's coordinate in a byte.
 inline constexpr float kNormalScale = 127, kNormalOffset = 128;
-/// Smallest albedo by which light is divided, as a byte.
-inline constexpr float kLeastAlbedo = 8;
+/// Smallest albedo of a diffuse surface by which light is divided, as a byte. Other surfaces, such as mirrors and
+/// lamps, count as white, and have shorter normals, so that their light is not mixed with that of diffuse ones.
+inline constexpr float kLeastAlbedo = 8, kOtherNormal = 0.5F;
 
 template <class V>
 I<V> pack_normal(const Vec3<V>& normal) {
@@ -282,10 +283,14 @@ struct SplitLight {
       so_far.set(sum);
       return sum * io.inverse_samples;
     };
-    const auto byte = [](const F<V>& x) { return to_int(max(x * 255.0F, F<V>(kLeastAlbedo)) + 0.5F); };
-    const I<V> red = byte(mean(io.albedo_red, guide.albedo.x, F<V>(1.0F)));
-    const I<V> green = byte(mean(io.albedo_green, guide.albedo.y, F<V>(1.0F)));
-    const I<V> blue = byte(mean(io.albedo_blue, guide.albedo.z, F<V>(1.0F)));
+    const Vec3<V> albedo{mean(io.albedo_red, guide.albedo.x, F<V>(1.0F)),
+                         mean(io.albedo_green, guide.albedo.y, F<V>(1.0F)),
+                         mean(io.albedo_blue, guide.albedo.z, F<V>(1.0F))};
+    const M<V> is_diffuse = F<V>(kLeastAlbedo / 255) <= max_channel(albedo);
+    const auto byte = [&](const F<V>& x) {
+      return to_int(select(is_diffuse, max(x * 255.0F, F<V>(kLeastAlbedo)), F<V>(255.0F)) + 0.5F);
+    };
+    const I<V> red = byte(albedo.x), green = byte(albedo.y), blue = byte(albedo.z);
     const auto divided = [](const F<V>& light, const I<V>& albedo) {
       return light / (to_float(albedo) * (1.0F / 255.0F));
     };
@@ -296,7 +301,8 @@ struct SplitLight {
       return to_int(min(max(pixels * kMotionSteps + (kNoMotion + 0.5F), F<V>(0.0F)), F<V>(65535.0F)));
     };
     io.light.store(to, pack_light<V, kHalf>(light, guide.depth_ratio));
-    io.guide_words.store(to, {pack_normal<V>(guide.normal), guide.depth});
+    const F<V> length = select(is_diffuse, F<V>(1.0F), F<V>(kOtherNormal));
+    io.guide_words.store(to, {pack_normal<V>(guide.normal * length), guide.depth});
     io.motions.store(to, {steps(guide.motion_x) | (steps(guide.motion_y) << 16U)});
     io.albedos.store(to, {red | (green << 8U) | (blue << 16U)});
   }

@@ -24,6 +24,7 @@ class BuildPass final : public FrameProgram {
   std::uint32_t tiles() const override { return build_count() + program_->tiles(); }
   TileGridSize tile_grid_size() const override { return program_->tile_grid_size(); }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
+  std::shared_ptr<const DenoiseHistory> make_history() const override { return program_->make_history(); }
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;

@@ -30,7 +30,8 @@ const Played& played() {
   static const Played once = [] {
     tools::JobOptions options;
     options.resolution = "16x16";
-    options.sets = {"render.primary=raster", "tni.predictor.enabled=true"};  // so that there are all units
+    options.sets = {"render.primary=raster", "tni.predictor.enabled=true",
+                    "build.engine=unit"};  // so that there are all units
     const tools::Inputs inputs = tools::load_inputs(options);
     Played p{inputs.config, tools::simulate_frame(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
     p.device = hw::dram_energy_events(p.config.gpu->dram);
@@ -77,7 +78,7 @@ TEST(EnergyTable, HasThePartsOfTheMachinesUnitsAndNoOthers) {
   for (const sim::UnitReport& unit : played().units) {
     for (const sim::UnitPart& part : unit.parts) parts.insert(sim::entry_name(unit) + "." + part.name);
   }
-  EXPECT_EQ(parts.size(), 11U);
+  EXPECT_EQ(parts.size(), 12U);
   for (const auto* table : {&played().config.energy.parts, &played().config.energy.parts_in_logic}) {
     std::set<std::string> names;
     for (const auto& [name, figure] : *table) names.insert(name);

@@ -41,6 +41,7 @@ constexpr std::array kFloors = {
     Floor{"tools/noise", 11},
     Floor{"hw_models/machines", 10},
     Floor{"hw_models/raster", 9},
+    Floor{"hw_models/build", 9},
     Floor{"traces/raster", 4},
     Floor{"hw_models/frame", 9},
     Floor{"hw_models/srp", 8},

@@ -1,14 +1,11 @@
 #include "tools/run/representative_frames.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "sim/error.h"
-#include "sim/io/printable.h"
 #include "tools/host/process.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/frame_counts.h"
@@ -20,12 +17,16 @@ namespace tools {
 namespace {
 
 /// Relative half-width of the intervals of cycles and energy below which --representative auto adds no more frames.
-constexpr double kTarget = 0.03;
+constexpr double kTargetWidth = 0.03;
+/// Relative half-width of an interval that has rounding errors only.
+constexpr double kExactWidth = 1e-9;
+/// Least number of frames to simulate, unless frames of a cluster are equal. Chosen: intervals of fewer may be too
+/// narrow by chance.
+constexpr std::size_t kLeastFrames = 12;
 /// Largest share of the frames to simulate; a sequence that needs more is simulated whole.
-constexpr double kMostShare = 0.4;
-constexpr std::uint32_t kMostWanted = 1000;
+constexpr double kMostFramesShare = 0.4;
 
-void check_inputs(const Inputs& inputs) {
+void check_sequence(const Inputs& inputs) {
   if (inputs.frames() < 2) {
     throw sim::InputError("--representative: one frame represents no others; allowed: several frames, --frames A:B");
   }
@@ -39,6 +40,11 @@ void check_inputs(const Inputs& inputs) {
   if (inputs.config.programs.denoise.has_kernels()) {
     throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
   }
+  const traces::BuildPolicy policy = inputs.config.build.policy;
+  if (policy == traces::BuildPolicy::kPeriod || policy == traces::BuildPolicy::kCost) {
+    throw sim::InputError(
+        "--representative: trees of this build.policy depend on earlier frames; allowed: update, refit, rebuild");
+  }
   if (inputs.config.thermal.minutes > 0) {
     throw sim::InputError("--representative: the governor needs every frame; allowed: thermal.minutes=0");
   }
@@ -47,61 +53,43 @@ void check_inputs(const Inputs& inputs) {
 /// Checks the inputs, then counts the work of all frames.
 std::vector<FrameCounts> count_checked_frames(Inputs& inputs, const kernels::ProgramSpec& program,
                                               std::uint32_t threads, Progress* progress) {
-  check_inputs(inputs);
+  check_sequence(inputs);
   return count_frames(inputs, program, threads, progress);
-}
-
-bool parse_number(std::string_view text, auto& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
 }
 
 /// Returns the number of frames to add if the intervals are `off` times too wide.
 std::size_t next_round_frames(std::size_t spent, std::size_t all, double off) {
   const auto before = static_cast<double>(spent);
   const double more = std::ceil(std::clamp(before * (off * off - 1), before / 4, 2 * before));
-  return before + more > kMostShare * static_cast<double>(all) ? all - spent : static_cast<std::size_t>(more);
+  return before + more > kMostFramesShare * static_cast<double>(all) ? all - spent : static_cast<std::size_t>(more);
 }
 
-/// Adds the counts of a frame that stands for `weight` frames.
-void add_weighted_counts(const RenderResult& frame, double weight, RenderResult& sum) {
-  const auto add = [&](std::uint64_t& total, std::uint64_t count) {
-    total = round_count(std::max(0.0, static_cast<double>(total) + weight * static_cast<double>(count)));
+/// Returns the weighted sums of the counts of frames, without pictures.
+RenderResult sum_counts(std::span<const FrameResult* const> frames, std::span<const double> weights) {
+  RenderResult sum;
+  const auto set = [&](auto&& count_of) {
+    double total = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      total += weights[i] * static_cast<double>(count_of(frames[i]->rendered));
+    }
+    count_of(sum) = round_count(std::max(0.0, total));
   };
-  for (std::size_t k = 0; k < std::size(sum.rays); ++k) add(sum.rays[k], frame.rays[k]);
-  add(sum.continued, frame.continued);
-  add(sum.traversal_steps, frame.traversal_steps);
-  add(sum.sampling.wanted, frame.sampling.wanted);
-  add(sum.sampling.traced, frame.sampling.traced);
-  add(sum.sampling.background, frame.sampling.background);
-  add(sum.sampling.traced_background, frame.sampling.traced_background);
-  sum.seconds += frame.seconds;
-  sum.waited += frame.waited;
-  sum.next_cpu_seconds += frame.next_cpu_seconds;
+  for (std::size_t k = 0; k < std::size(sum.rays); ++k) set([k](auto& r) -> auto& { return r.rays[k]; });
+  set([](auto& r) -> auto& { return r.continued; });
+  set([](auto& r) -> auto& { return r.traversal_steps; });
+  set([](auto& r) -> auto& { return r.sampling.wanted; });
+  set([](auto& r) -> auto& { return r.sampling.traced; });
+  set([](auto& r) -> auto& { return r.sampling.background; });
+  set([](auto& r) -> auto& { return r.sampling.traced_background; });
+  for (const FrameResult* frame : frames) {
+    sum.seconds += frame->rendered.seconds;
+    sum.waited += frame->rendered.waited;
+    sum.next_cpu_seconds += frame->rendered.next_cpu_seconds;
+  }
+  return sum;
 }
 
 }  // namespace
-
-FrameSampling parse_representative(const std::string& text) {
-  FrameSampling s;
-  const std::string_view all = text;
-  const std::size_t colon = all.find(':');
-  const std::string_view clusters = all.substr(0, colon);
-  const bool is_good = (clusters == "auto" || (parse_number(clusters, s.clusters) && s.clusters >= 1)) &&
-                       s.clusters <= kMostWanted &&
-                       (colon == std::string_view::npos || parse_number(all.substr(colon + 1), s.draw));
-  if (is_good) return s;
-  throw sim::InputError(fmt::format(
-      "--representative '{}': is no number of clusters; allowed: auto, or a number from 1 to {}, e.g. 12; then a "
-      "draw, e.g. auto:2",
-      sim::printable(text), kMostWanted));
-}
-
-void check_representative(const kernels::ProgramSpec& program) {
-  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(
-      fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
-}
 
 RepresentativeFrames::RepresentativeFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads,
                                            Progress* progress)
@@ -152,13 +140,16 @@ std::vector<const FrameResult*> RepresentativeFrames::chosen_results() const {
 bool RepresentativeFrames::add_frames() {
   const auto width = [](const Interval& total) { return total.half_width() / total.estimate; };
   const double of_cycles = width(estimate_cycles()), of_energy = width(estimate_energy());
-  const double off = std::max(of_cycles, of_energy) / kTarget;
-  if (off <= 1 || sample_.has_all_frames()) return false;
+  const double widest = std::max(of_cycles, of_energy);
+  if (widest < kExactWidth || sample_.has_all_frames()) return false;
+  const std::size_t missing = kLeastFrames - std::min(kLeastFrames, sample_.chosen().size());
+  if (widest <= kTargetWidth && missing == 0) return false;
   std::vector<double> observed;
   for (const FrameResult* frame : chosen_results()) {
     observed.push_back(of_cycles > of_energy ? static_cast<double>(frame->cycles) : frame->energy.total_pj.nominal);
   }
-  sample_.add_frames(next_round_frames(sample_.chosen().size(), results_.size(), off), observed);
+  const std::size_t more = next_round_frames(sample_.chosen().size(), results_.size(), widest / kTargetWidth);
+  sample_.add_frames(std::max(missing, more), observed);
   rounds_ += 1;
   if (progress_ != nullptr) progress_->expect_parts(frame_count());
   return true;
@@ -216,12 +207,12 @@ FrameResult RepresentativeFrames::estimate_total() const {
   total.kernels = first.kernels;
   total.tiles = total.finished_tiles = first.tiles;
   total.represented = summarise_sample();
+  total.rendered = sum_counts(results, weights);
   total.units = first.units;
   std::vector<Activity> parts;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const FrameResult& frame = *results[i];
     parts.push_back({frame.units, frame.kernel_use});
-    add_weighted_counts(frame.rendered, weights[i], total.rendered);
     total.wall_seconds += frame.wall_seconds;
     if (i > 0) sim::add_reports(total.units, frame.units);  // peak values are maxima
   }

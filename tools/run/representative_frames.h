@@ -8,9 +8,6 @@
 
 namespace tools {
 
-/// Throws InputError for a program whose frames cannot represent others.
-void check_representative(const kernels::ProgramSpec& program);
-
 /// Frame source that visits only some frames of a sequence, and estimates the totals of the sequence from them.
 ///
 ///   counts of all frames ──► clusters ──► chosen frames ──► machine ──► weighted sums, intervals

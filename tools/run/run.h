@@ -15,6 +15,7 @@
 #include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/sampling/frame_sample.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/tiles/tile_table.h"
 #include "tools/timeline/timeline.h"
@@ -32,17 +33,6 @@ struct WholeFrames {
 struct SlicedFrames {
   std::uint32_t slices = 1;  ///< slices per frame; kAutoSlices: chosen automatically
 };
-
-/// Mode of a run in which some frames of a sequence are simulated, as a whole or by sampled tiles, and the totals of
-/// the sequence are estimated (docs/sequences.md).
-struct FrameSampling {
-  std::uint32_t clusters = 0;         ///< number of clusters of frames; 0: chosen automatically
-  std::uint64_t draw = 1;             ///< seed of clusters and of the choice of frames
-  std::optional<TileSampling> tiles;  ///< how each frame is sampled; empty: frames are simulated as a whole
-};
-
-/// Parses --representative: "auto" or a number of clusters, either followed by ":" and a draw. Throws InputError.
-FrameSampling parse_representative(const std::string& text);
 
 /// What a run simulates and how. Invalid combinations of options cannot be represented.
 struct RunPlan {

@@ -15,7 +15,7 @@ namespace {
 
 /// Largest number of trees that are built to count a sequence. Chosen: updating the tree of 600,000 triangles takes as
 /// long as simulating a frame of 128x64, and counts need not be exact.
-constexpr std::uint32_t kTrees = 8;
+constexpr std::uint32_t kCountedTrees = 8;
 
 }  // namespace
 
@@ -70,7 +70,7 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
                                       Progress* progress) {
   FrameCounter counter;
   std::vector<FrameCounts> frames;
-  const std::uint32_t first = inputs.config.scene.first_frame, interval = (inputs.frames() - 1) / kTrees + 1;
+  const std::uint32_t first = inputs.config.scene.first_frame, interval = (inputs.frames() - 1) / kCountedTrees + 1;
   bool has_moved = false;
   for (std::uint32_t i = 0; i < inputs.frames(); ++i) {
     has_moved = pose_frame(inputs, first + i) || has_moved;
@@ -101,6 +101,7 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
     for (const auto member : FrameCounts::kAll) counts.*member *= thinning;
     frames.push_back(counts);
   }
+  go_to_frame(inputs, first, threads, progress);
   return frames;
 }
 

@@ -1,14 +1,17 @@
 #include "tools/sampling/frame_sample.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
+#include "sim/error.h"
 #include "sim/hash.h"
+#include "sim/io/printable.h"
 #include "tools/noise/noise.h"
 
 namespace tools {
@@ -21,10 +24,17 @@ constexpr std::uint32_t kMostClusters = 16, kFramesOfSequence = 60;
 /// Share of the range of the criterion that the chosen number of clusters reaches, as in SimPoint (Sherwood et al.,
 /// ASPLOS 2002).
 constexpr double kCriterionShare = 0.9;
-constexpr std::uint32_t kStarts = 5;       // chosen: initial centres of k-means, of which the best are kept
-constexpr std::uint32_t kMostSteps = 100;  // chosen: k-means converges in some twenty steps
-constexpr double kLeastVariance = 1e-12;   // chosen: far below the variance of standardised counts, which is 1
-constexpr double kRidge = 0.2;             // chosen: penalty per frame on standardised counts, as for tiles
+constexpr std::uint32_t kInitialCentres = 5;  // chosen: initial centres of k-means; the best are kept
+constexpr std::uint32_t kMostSteps = 100;     // chosen: k-means converges in some twenty steps
+constexpr double kLeastVariance = 1e-12;      // chosen: far below the variance of standardised counts, which is 1
+constexpr double kRidgePerFrame = 0.2;        // chosen: penalty per frame on standardised counts, as for tiles
+
+constexpr std::uint32_t kMostWanted = 1000;  // chosen: two thousand frames take as long as whole sequences
+
+bool parse_whole_text(std::string_view text, auto& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
 
 /// Points in a space of several dimensions.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -117,7 +127,7 @@ void number_clusters(Partition& partition) {
 
 Partition run_k_means(const Points& points, std::uint32_t wanted, std::uint64_t seed) {
   Partition best;
-  for (std::uint32_t start = 0; start < kStarts; ++start) {
+  for (std::uint32_t start = 0; start < kInitialCentres; ++start) {
     Partition found = improve_centres(points, initial_centres(points, wanted, sim::hash(seed, wanted, start)));
     if (found.error < best.error) best = std::move(found);
   }
@@ -163,6 +173,26 @@ std::vector<std::uint32_t> spread_frames(const std::vector<std::uint32_t>& frame
 }
 
 }  // namespace
+
+FrameSampling parse_representative(const std::string& text) {
+  FrameSampling s;
+  const std::string_view all = text;
+  const std::size_t colon = all.find(':');
+  const std::string_view clusters = all.substr(0, colon);
+  const bool is_good = (clusters == "auto" || (parse_whole_text(clusters, s.clusters) && s.clusters >= 1)) &&
+                       s.clusters <= kMostWanted &&
+                       (colon == std::string_view::npos || parse_whole_text(all.substr(colon + 1), s.draw));
+  if (is_good) return s;
+  throw sim::InputError(fmt::format(
+      "--representative '{}': is no number of clusters; allowed: auto, or a number from 1 to {}, e.g. 12; then a "
+      "draw, e.g. auto:2",
+      sim::printable(text), kMostWanted));
+}
+
+void check_representative(const kernels::ProgramSpec& program) {
+  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
+  throw sim::InputError(fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
+}
 
 FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t wanted, std::uint64_t seed) {
   const Points points = standardise_counts(counts);
@@ -217,7 +247,7 @@ void FrameSample::compute_weights() {
   const Eigen::VectorXd gap = points.colwise().sum().transpose() - sample.transpose() * shares;
   sample.rowwise() -= sample.colwise().mean().eval();
   Eigen::MatrixXd normal = sample.transpose() * sample;
-  normal.diagonal().array() += kRidge * static_cast<double>(n);
+  normal.diagonal().array() += kRidgePerFrame * static_cast<double>(n);
   const Eigen::MatrixXd solved = normal.llt().solve(sample.transpose());
   const Eigen::MatrixXd smoother = sample * solved;
   const Eigen::VectorXd weights = shares + solved.transpose() * gap;

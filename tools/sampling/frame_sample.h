@@ -1,13 +1,29 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "tools/run/frame/run_job.h"
 #include "tools/sampling/frame_counts.h"
+#include "tools/sampling/tile_sampling.h"
 
 namespace tools {
+
+/// Mode of a run in which some frames of a sequence are simulated, as a whole or by sampled tiles, and the totals of
+/// the sequence are estimated (docs/sequences.md).
+struct FrameSampling {
+  std::uint32_t clusters = 0;         ///< number of clusters of frames; 0: chosen automatically
+  std::uint64_t draw = 1;             ///< seed of clusters and of the choice of frames
+  std::optional<TileSampling> tiles;  ///< how each frame is sampled; empty: frames are simulated as a whole
+};
+
+/// Parses --representative: "auto" or a number of clusters, either followed by ":" and a draw. Throws InputError.
+FrameSampling parse_representative(const std::string& text);
+/// Throws InputError for a program whose frames cannot represent others.
+void check_representative(const kernels::ProgramSpec& program);
 
 /// Clusters of frames with similar counts. Clusters are numbered in the order of their first frames.
 struct FrameClusters {

@@ -17,10 +17,11 @@ inline constexpr Hand kDenoiseByHand[] = {
     {"record_guide", {20, 22, 3, 1, 0, 0, 0, 0, 4, 1, 0}},
     // And, int_mul, 2 int_add; weights, 3 interpolate more.
     {"record_moving_guide", {28, 31, 3, 1, 0, 0, 4, 0, 5, 1, 3}},
-    // Operations: to_float, div_mod, compare, to_int; 6 (max, min, select, add, mul); 3 (mul, max, add, to_int); 3
-    // (to_float, mul, div); 2 (mul, add, max, min, to_int), shift, or; light, normal; 2 shift, 2 or.
-    {"split_light", {16, 23, 3, 24, 1, 6, 22, 13, 2, 4, 0}},
-    {"split_light_float", {16, 19, 3, 20, 1, 6, 10, 13, 2, 4, 0}},
+    // Operations: to_float, div_mod, compare, to_int; 6 (max, min, select, add, mul); 3 (mul, max, select, add,
+    // to_int); 3 (to_float, mul, div); 2 (mul, add, max, min, to_int), shift, or; largest, compare; select, vector *
+    // scalar; light, normal; 2 shift, 2 or.
+    {"split_light", {16, 26, 3, 26, 2, 10, 22, 13, 2, 4, 0}},
+    {"split_light_float", {16, 22, 3, 22, 2, 10, 10, 13, 2, 4, 0}},
     // Operations: light; to_float, div_mod; and, shift; 2 (to_float, sub, mul, 2 add); 2 (floor, sub), 4 sub, 4 add;
     // mul, normal. 4 taps: 4 compare, 3 and; mul, add, select, to_int; light without its fourth value, moments, normal;
     // shift, to_float; vector sub, dot, 2 compare, sub, abs, mul; compare, 3 and; mul, select. Sums: mul; 3 (5 sub, 5

@@ -36,7 +36,7 @@ struct Sequence {
     const traces::BvhTracer tracer(image);
     const RateMap rates(programs.multirate);
     const auto program = make_program(
-        parse_program(name), {image, scene.cameras.front(), render, programs, rates, frame++, 1, history.get()});
+        parse_program(name), {image, scene.cameras.front(), render, programs, rates, frame++, 1, nullptr, history.get()});
     needs = program->requirements();
     tiles = program->pass_end(0);
     run_tiles(*program, tracer, record, see);

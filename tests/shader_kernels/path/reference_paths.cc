@@ -38,9 +38,9 @@ struct Ggx {
   double both_visible(double a, double b) const { return 1 / (1 + lambda(a) + lambda(b)); }
 };
 
-struct Frame {
+struct Axes {
   dvec3 x, y, z;
-  explicit Frame(const dvec3& normal) : z(normal) {
+  explicit Axes(const dvec3& normal) : z(normal) {
     const dvec3 other = std::abs(z.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     x = glm::normalize(glm::cross(other, z));
     y = glm::cross(z, x);
@@ -244,7 +244,7 @@ bool ReferencePaths::continue_path(const Surface& s, dvec3& direction, dvec3& th
     const Ggx ggx{s.alpha};
     const double cosine = std::sqrt((1 - number) / (1 + (ggx.alpha * ggx.alpha - 1) * number));
     const double sine = std::sqrt(1 - cosine * cosine);
-    const dvec3 h = Frame(s.normal).to_world({sine * std::cos(turn), sine * std::sin(turn), cosine});
+    const dvec3 h = Axes(s.normal).to_world({sine * std::cos(turn), sine * std::sin(turn), cosine});
     const double at_facet = -glm::dot(direction, h);
     direction = direction + h * (2 * at_facet);
     const double out = glm::dot(direction, s.normal);

@@ -3,6 +3,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/host/build_info.h"
 #include "tools/studies/sweep/launch/compute.h"
+#include "tools/studies/sweep/spec/set_metric.h"
 
 // Tests of the sweeps in configs/experiments.
 

@@ -17,7 +17,7 @@
 #include "sim/io/printable.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/run/run.h"
+#include "tools/sampling/frame_sample.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/studies/sweep/spec/set_metric.h"
 #include "traces/scene/did_you_mean.h"
