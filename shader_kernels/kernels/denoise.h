@@ -230,11 +230,11 @@ struct RecordMovingGuide {
   template <class V>
   struct Ports : GuidePorts<V> {
     Local<V, HitRecord> hits;
-    Stored<V, PastVertexRecord> stored;  ///< corners of all triangles in the previous frame
+    Stored<V, PastVertexRecord> vertices;  ///< corners of all triangles in the previous frame
     static constexpr void describe(auto& p, auto&& port) {
       GuidePorts<V>::describe(p, port);
       port(NAMED(p.hits));
-      port(p.stored, "past_vertices");
+      port(p.vertices, "past_vertices");
     }
   };
   template <class V>
@@ -242,9 +242,9 @@ struct RecordMovingGuide {
     const I<V> slot = io.surfaces.load(item).word;
     const HitRecord<V> hit = io.hits.load(slot);
     const I<V> corner = triangle_index_of<V>(hit) * 3U;
-    const Vec3<V> a = io.stored.load(corner).position;
-    const Vec3<V> b = io.stored.load(corner + 1U).position;
-    const Vec3<V> c = io.stored.load(corner + 2U).position;
+    const Vec3<V> a = io.vertices.load(corner).position;
+    const Vec3<V> b = io.vertices.load(corner + 1U).position;
+    const Vec3<V> c = io.vertices.load(corner + 2U).position;
     store_guide<V>(slot, io.points.load(slot), Weights<V>(hit).interpolate(a, b, c), io);
   }
 };

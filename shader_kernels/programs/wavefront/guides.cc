@@ -20,7 +20,7 @@ LaunchResult launch_guides(const WaveContext& wave, const WaveBounce& /*bounce*/
   }
   RecordMovingGuide::Ports<float> ports;
   ports.motion = guides.motion;
-  ports.stored.bind_stored(guides.region, guides.past_word, wave.graph.access_log());
+  ports.vertices.bind_stored(guides.region, guides.past_word, wave.graph.access_log());
   return {wave.graph.launch<RecordMovingGuide>(ports, in.items, in.lanes), 0};
 }
 
