@@ -67,14 +67,14 @@ inline std::uint32_t instance_index_of(const Hit& hit) {
 }
 
 class RayPredictor;
-struct TilePredictions;
+class TilePredictions;
 
 /// Buffers to which a tracer appends the recorded traversals of rays (canonical walks, walk.h). It appends to `begin`
 /// the index of each ray's first word.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;
-  const TilePredictions* predictions = nullptr;  ///< if not null, shadow rays are predicted (accel/ray_predictor.h)
+  TilePredictions* predictions = nullptr;  ///< if not null, shadow rays are predicted (accel/ray_predictor.h)
 };
 
 /// Interface of a tracer, which finds the hits of rays. A shadow ray ends at the first opaque triangle (without flags);

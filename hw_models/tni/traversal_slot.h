@@ -48,6 +48,8 @@ class TraversalSlot {
   /// Returns the phases with which the triangle tests of a leaf end. The next step must be a leaf.
   std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
+  /// True if children are left that the ray has yet to visit. After a predicted node's subtree there are none.
+  bool has_entries() const { return stack_depth_ != 0; }
   /// Returns the number of the ray's entries that are in the short stack.
   std::uint32_t resident_entries() const { return short_stack_size_; }
   /// Returns how many of the ray's youngest entries are the next to be discarded, because they begin beyond the hit.
@@ -151,7 +153,7 @@ class TraversalSlot {
   Pipe next_pipe_slow_path();
   /// Continues at the root if the ray has left the subtree of its predicted node. Returns whether it has.
   bool continue_at_root() {
-    if (stack_depth_ != 0) return false;
+    if (has_entries()) return false;
     must_pop_ = false;
     return true;
   }

@@ -513,9 +513,10 @@ template <TrvCode kCode>
     pipes_.schedule_completion(pop_node_stack(slot, index), index, cycle, stack_latency_);
     return;
   }
+  const bool has_entries = !active_features<kCode>().prefetcher || slot.has_entries();
   if (!slot.pop_stack_entry(stats_)) {
     slot.restart_walk(begins_[index], tree_, stack_, entries_, paths_[index], stats_);
-  } else if (active_features<kCode>().prefetcher) {
+  } else if (active_features<kCode>().prefetcher && has_entries) {
     prefetcher_->pop_entry(index, slot.resident_entries(), slot.known_culls());
   }
   pipes_.schedule_completion(slot.next_pipe(), index, cycle, stack_latency_);

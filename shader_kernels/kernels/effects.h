@@ -305,7 +305,7 @@ struct CastBounce {
   static constexpr std::string_view kMeaning = "diffuse surface -> ray that brings the light of other surfaces";
   template <class V>
   struct Ports {
-    Local<V, WordRecord> passed;
+    Local<V, WordRecord> stream;
     Local<V, SurfacePointRecord> points;
     Local<V, RayRecord> rays;
     Local<V, PathRecord> paths;
@@ -318,7 +318,7 @@ struct CastBounce {
     I<V> apart;  ///< index offset from a sample to the sample that collects the light
     RandomPointUniforms<V> draw;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.passed));
+      port(NAMED(p.stream));
       port(p.points, "places");
       name_all(port, NAMED_ALL(p.rays, p.paths, p.ratios, p.colours, p.next_rays, p.next_paths, p.emitted, p.epsilon,
                                p.apart));
@@ -327,7 +327,7 @@ struct CastBounce {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
-    const I<V> slot = io.passed.load(item).word;
+    const I<V> slot = io.stream.load(item).word;
     const SurfacePointRecord<V> point = io.points.load(slot);
     const PathRecord<V> path = io.paths.load(slot);
     const UnitPoint<V> square = random_point_in_square<V>(io.rays.load(slot).direction, io.draw);

@@ -91,11 +91,13 @@ KernelBuild::KernelBuild(const traces::MemoryImage& image, std::uint32_t space) 
   reserve(scatters * kCountsBytes);
   const std::uint64_t sorted = keys[kDigits % 2];
   // Each node and triangle but the root reads the keys on both sides of its range, and marks its parent as visited.
+  const BuildStream neighbours = reads(sorted, inner * kKeyBytes);
   add("link", {kKernelId<LinkNode>}, 2 * inner,
-      {reads(sorted, n * kKeyBytes), reads(sorted, 2 * inner * 2 * kKeyBytes),
+      {reads(sorted, n * kKeyBytes), neighbours, neighbours, neighbours, neighbours,
        writes(visited, 2 * inner * sizeof(CountRecord<float>))});
+  // Half of the children are triangles.
   add("fit", {kKernelId<FitNode>}, inner,
-      {reads(hierarchy, 2 * inner * kBoxBytes), writes(hierarchy, inner * kNodeBytes)});
+      {reads(leaves, inner * kBoxBytes), reads(hierarchy, inner * kBoxBytes), writes(hierarchy, inner * kNodeBytes)});
   add("encode_nodes", {kKernelId<EncodeNode>}, nodes,
       {reads(hierarchy, inner * kNodeBytes), {Region::kTree, true, 0, nodes * layout.node_bytes, false}});
   add("encode_leaves", {kKernelId<EncodeLeaf>}, n,
@@ -184,19 +186,20 @@ std::vector<std::uint32_t> link_nodes(Keys& sorted) {
   ports.parents.bind(&parent);
   ports.last_triangle = last;
   constexpr std::uint32_t kNotVisited = 0xffffffffU;
-  std::vector<std::uint32_t> parents, other_end(sorted.size(), kNotVisited);  // by split: end of the half that arrived first
+  std::vector<std::uint32_t> parents,
+      other_end(sorted.size(), kNotVisited);  // by boundary: end of the half that arrived first
   for (std::uint32_t triangle = 0; triangle <= last; ++triangle) {
     range = {triangle, triangle};
     while (range.first != 0 || range.last != last) {
       LinkNode::body<float>(0U, ports);
       parents.push_back(parent.number);
       const bool is_left = parent.number == range.last && range.last != last;
-      const std::uint32_t split = parent.number;
-      if (other_end[split] == kNotVisited) {
-        other_end[split] = is_left ? range.first : range.last;
+      const std::uint32_t boundary = parent.number;
+      if (other_end[boundary] == kNotVisited) {
+        other_end[boundary] = is_left ? range.first : range.last;
         break;
       }
-      (is_left ? range.last : range.first) = other_end[split];
+      (is_left ? range.last : range.first) = other_end[boundary];
     }
   }
   return parents;

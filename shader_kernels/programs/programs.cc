@@ -14,7 +14,7 @@
 #include "shader_kernels/programs/denoise/denoised.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
-#include "shader_kernels/programs/path/path_program.h"
+#include "shader_kernels/programs/path_program.h"
 #include "shader_kernels/programs/upsampled.h"
 #include "sim/error.h"
 

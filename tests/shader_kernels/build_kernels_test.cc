@@ -61,7 +61,8 @@ TEST(BuildKernels, LinkEachNodeToOneParentWithTwoChildren) {
   const std::size_t triangles = built.keys.size();
   EXPECT_EQ(built.links, 2 * (triangles - 1)) << "all triangles and nodes but the root";
   std::multiset<std::uint32_t> parents(built.parents.begin(), built.parents.end());
-  for (std::uint32_t split = 0; split + 1 < triangles; ++split) EXPECT_EQ(parents.count(split), 2U) << split;
+  for (std::uint32_t boundary = 0; boundary + 1 < triangles; ++boundary)
+    EXPECT_EQ(parents.count(boundary), 2U) << boundary;
 }
 
 TEST(BuildKernels, MoveTheBytesOfTheClosedForms) {
@@ -93,6 +94,10 @@ TEST(BuildKernels, FitTheirSpaceAndCoverAllItems) {
     std::uint64_t bytes = 0;
     for (const BuildStream& s : pass.streams) bytes += s.by_batch ? s.bytes : s.bytes * pass.batch / pass.items;
     EXPECT_LE(bytes, kSpace) << pass.name;
+    for (const BuildStream& s : pass.streams) {
+      const std::uint64_t end = s.base + s.bytes * (s.by_batch ? pass.entry_count() : 1);
+      EXPECT_LE(end, s.region == traces::Region::kTree ? plan.tree_bytes() : plan.scratch_bytes()) << pass.name;
+    }
     EXPECT_GE(std::uint64_t{pass.batch} * pass.entry_count(), pass.items) << pass.name;
   }
 }

@@ -165,7 +165,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
   RenderConfig config;
   CountFields fields;
   RenderConfig::describe(config, fields);
-  EXPECT_EQ(fields.count, 21U + 2U) << "its own, and those of a rasteriser's work";
+  EXPECT_EQ(fields.count, 22U + 2U) << "its own, and those of a rasteriser's work";
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "sim/error.h"
@@ -17,6 +18,11 @@ namespace {
 
 /// Relative half-width of the intervals of cycles and energy below which --representative auto adds no more frames.
 constexpr double kTargetWidth = 0.03;
+/// Relative half-width of an interval that has rounding errors only.
+constexpr double kExactWidth = 1e-9;
+/// Least number of frames to simulate, unless frames of a cluster are equal. Chosen: intervals of fewer may be too
+/// narrow by chance.
+constexpr std::size_t kLeastFrames = 12;
 /// Largest share of the frames to simulate; a sequence that needs more is simulated whole.
 constexpr double kMostFramesShare = 0.4;
 
@@ -33,6 +39,11 @@ void check_sequence(const Inputs& inputs) {
   }
   if (inputs.config.programs.denoise.has_kernels()) {
     throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
+  }
+  const traces::BuildPolicy policy = inputs.config.build.policy;
+  if (policy == traces::BuildPolicy::kPeriod || policy == traces::BuildPolicy::kCost) {
+    throw sim::InputError(
+        "--representative: trees of this build.policy depend on earlier frames; allowed: update, refit, rebuild");
   }
   if (inputs.config.thermal.minutes > 0) {
     throw sim::InputError("--representative: the governor needs every frame; allowed: thermal.minutes=0");
@@ -53,21 +64,29 @@ std::size_t next_round_frames(std::size_t spent, std::size_t all, double off) {
   return before + more > kMostFramesShare * static_cast<double>(all) ? all - spent : static_cast<std::size_t>(more);
 }
 
-/// Adds the counts of a frame that stands for `weight` frames.
-void add_weighted_counts(const RenderResult& frame, double weight, RenderResult& sum) {
-  const auto add = [&](std::uint64_t& total, std::uint64_t count) {
-    total = round_count(std::max(0.0, static_cast<double>(total) + weight * static_cast<double>(count)));
+/// Returns the weighted sums of the counts of frames, without pictures.
+RenderResult sum_counts(std::span<const FrameResult* const> frames, std::span<const double> weights) {
+  RenderResult sum;
+  const auto set = [&](auto&& count_of) {
+    double total = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      total += weights[i] * static_cast<double>(count_of(frames[i]->rendered));
+    }
+    count_of(sum) = round_count(std::max(0.0, total));
   };
-  for (std::size_t k = 0; k < std::size(sum.rays); ++k) add(sum.rays[k], frame.rays[k]);
-  add(sum.continued, frame.continued);
-  add(sum.traversal_steps, frame.traversal_steps);
-  add(sum.sampling.wanted, frame.sampling.wanted);
-  add(sum.sampling.traced, frame.sampling.traced);
-  add(sum.sampling.background, frame.sampling.background);
-  add(sum.sampling.traced_background, frame.sampling.traced_background);
-  sum.seconds += frame.seconds;
-  sum.waited += frame.waited;
-  sum.next_cpu_seconds += frame.next_cpu_seconds;
+  for (std::size_t k = 0; k < std::size(sum.rays); ++k) set([k](auto& r) -> auto& { return r.rays[k]; });
+  set([](auto& r) -> auto& { return r.continued; });
+  set([](auto& r) -> auto& { return r.traversal_steps; });
+  set([](auto& r) -> auto& { return r.sampling.wanted; });
+  set([](auto& r) -> auto& { return r.sampling.traced; });
+  set([](auto& r) -> auto& { return r.sampling.background; });
+  set([](auto& r) -> auto& { return r.sampling.traced_background; });
+  for (const FrameResult* frame : frames) {
+    sum.seconds += frame->rendered.seconds;
+    sum.waited += frame->rendered.waited;
+    sum.next_cpu_seconds += frame->rendered.next_cpu_seconds;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -121,13 +140,16 @@ std::vector<const FrameResult*> RepresentativeFrames::chosen_results() const {
 bool RepresentativeFrames::add_frames() {
   const auto width = [](const Interval& total) { return total.half_width() / total.estimate; };
   const double of_cycles = width(estimate_cycles()), of_energy = width(estimate_energy());
-  const double off = std::max(of_cycles, of_energy) / kTargetWidth;
-  if (off <= 1 || sample_.has_all_frames()) return false;
+  const double widest = std::max(of_cycles, of_energy);
+  if (widest < kExactWidth || sample_.has_all_frames()) return false;
+  const std::size_t missing = kLeastFrames - std::min(kLeastFrames, sample_.chosen().size());
+  if (widest <= kTargetWidth && missing == 0) return false;
   std::vector<double> observed;
   for (const FrameResult* frame : chosen_results()) {
     observed.push_back(of_cycles > of_energy ? static_cast<double>(frame->cycles) : frame->energy.total_pj.nominal);
   }
-  sample_.add_frames(next_round_frames(sample_.chosen().size(), results_.size(), off), observed);
+  const std::size_t more = next_round_frames(sample_.chosen().size(), results_.size(), widest / kTargetWidth);
+  sample_.add_frames(std::max(missing, more), observed);
   rounds_ += 1;
   if (progress_ != nullptr) progress_->expect_parts(frame_count());
   return true;
@@ -185,12 +207,12 @@ FrameResult RepresentativeFrames::estimate_total() const {
   total.kernels = first.kernels;
   total.tiles = total.finished_tiles = first.tiles;
   total.represented = summarise_sample();
+  total.rendered = sum_counts(results, weights);
   total.units = first.units;
   std::vector<Activity> parts;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const FrameResult& frame = *results[i];
     parts.push_back({frame.units, frame.kernel_use});
-    add_weighted_counts(frame.rendered, weights[i], total.rendered);
     total.wall_seconds += frame.wall_seconds;
     if (i > 0) sim::add_reports(total.units, frame.units);  // peak values are maxima
   }

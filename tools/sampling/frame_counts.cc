@@ -101,6 +101,7 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
     for (const auto member : FrameCounts::kAll) counts.*member *= thinning;
     frames.push_back(counts);
   }
+  go_to_frame(inputs, first, threads, progress);
   return frames;
 }
 

@@ -53,7 +53,7 @@ class FrameCounter {
 
 /// Counts the work of every frame of a sequence in pictures with few samples. Of a long sequence, moving geometry is
 /// updated in some frames only, so that counts are approximate. Leaves `inputs` in the state of the
-/// last frame. Throws Interrupted.
+/// first frame. Throws Interrupted.
 std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads,
                                       Progress* progress);
 

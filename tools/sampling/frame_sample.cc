@@ -24,7 +24,7 @@ constexpr std::uint32_t kMostClusters = 16, kFramesOfSequence = 60;
 /// Share of the range of the criterion that the chosen number of clusters reaches, as in SimPoint (Sherwood et al.,
 /// ASPLOS 2002).
 constexpr double kCriterionShare = 0.9;
-constexpr std::uint32_t kInitialCentres = 5;  // chosen: initial centres of k-means, of which the best are kept
+constexpr std::uint32_t kInitialCentres = 5;  // chosen: initial centres of k-means; the best are kept
 constexpr std::uint32_t kMostSteps = 100;     // chosen: k-means converges in some twenty steps
 constexpr double kLeastVariance = 1e-12;      // chosen: far below the variance of standardised counts, which is 1
 constexpr double kRidgePerFrame = 0.2;        // chosen: penalty per frame on standardised counts, as for tiles

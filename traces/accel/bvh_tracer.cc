@@ -365,20 +365,20 @@ void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hi
 /// Traces shadow rays with look-ups of predicted nodes, in a tree of one level.
 template <class Lanes, std::uint32_t kSlots>
 void trace_predicted(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, WalkRecorder& record,
-                     const TilePredictions& tile) {
+                     TilePredictions& tile) {
   const bool is_single_sided = image.has_single_sided();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     record.begin_ray();
     record.make_room();
     record.write_word(0);  // replaced below
-    const std::uint32_t hash = tile.predictor.hash_of(rays[i]), node = tile.table.find_node(hash);
+    const std::uint32_t hash = tile.predictor().hash_of(rays[i]), node = tile.look_up(hash);
     Walk<Lanes, true, false, kSlots, WalkRecorder> walk(image, is_single_sided, rays[i], record);
     bool correct = false, stored = false;
     hits[i] = node == kNone ? walk.run() : walk.run_from(node, correct);
     if (hits[i].is_hit() && !hits[i].is_flagged()) {
-      const std::uint32_t above = tile.predictor.node_to_store(hits[i].triangle_index());
+      const std::uint32_t above = tile.predictor().node_to_store(hits[i].triangle_index());
       stored = above != kNone;
-      if (stored) tile.updates.push_back({hash, above});
+      if (stored) tile.add_update({hash, above});
     }
     record.replace_first_word(look_up_step(node == kNone ? kNoPrediction : node, correct, stored));
   }

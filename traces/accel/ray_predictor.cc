@@ -93,6 +93,19 @@ void PredictorTable::store_node(const PredictorUpdate& update) {
   *first = update;
 }
 
+std::uint32_t TilePredictions::look_up(std::uint32_t hash) {
+  rays_ += 1;
+  while (visible_ < updates_.size() && updating_rays_[visible_] + ray_lag_ <= rays_) {
+    table_.store_node(updates_[visible_++]);
+  }
+  return table_.find_node(hash);
+}
+
+void TilePredictions::add_update(const PredictorUpdate& update) {
+  updates_.push_back(update);
+  updating_rays_.push_back(rays_);
+}
+
 PredictorHistory::PredictorHistory(const RayPredictor& predictor)
     : lag_(predictor.config().lag), versions_(lag_, PredictorTable(predictor.config())) {}
 

@@ -23,6 +23,7 @@ struct PredictorConfig {
   std::uint32_t origin_bits = 5;
   std::uint32_t go_up = 3;
   std::uint32_t lag = 8;
+  std::uint32_t ray_lag = 128;
   std::uint32_t latency = 2;
 
   static void describe(auto& c, auto&& field) {
@@ -39,8 +40,10 @@ struct PredictorConfig {
           sim::between(1, 8), Affects::kFunction);
     field(NAMED(c.go_up), "levels", "levels from the leaf with the occluder up to the stored node", sim::between(1, 16),
           Affects::kFunction);
-    field(NAMED(c.lag), "tiles", "tiles until a look-up finds a tile's updates; 1: the next tile does",
+    field(NAMED(c.lag), "tiles", "tiles until a look-up finds another tile's updates; 1: the next tile does",
           sim::between(1, 64), Affects::kFunction);
+    field(NAMED(c.ray_lag), "rays", "any-hit rays of a tile until a look-up finds the update of an earlier one",
+          sim::between(1, 65536), Affects::kFunction);
     field(NAMED(c.latency), "cycles", "latency of a look-up, which every ray passes", sim::between(1, 16),
           Affects::kTiming);
   }
@@ -99,15 +102,34 @@ class PredictorTable {
   std::vector<PredictorUpdate> entries_;  ///< node kNone: empty
 };
 
-/// What a tracer reads and writes to predict a tile's any-hit rays.
-struct TilePredictions {
-  const RayPredictor& predictor;
-  const PredictorTable& table;
-  std::vector<PredictorUpdate>& updates;  ///< updates of the table, in the order of the rays
+/// The table as a tile's any-hit rays see it, and their updates. A ray's update is visible to the tile's own rays from
+/// the ray `ray_lag` after it on.
+class TilePredictions {
+ public:
+  /// `table`: the table at the start of the tile, which is copied.
+  TilePredictions(const RayPredictor& predictor, const PredictorTable& table)
+      : predictor_(predictor), table_(table), ray_lag_(predictor.config().ray_lag) {}
+
+  const RayPredictor& predictor() const { return predictor_; }
+  /// Returns the node that the tile's next any-hit ray finds, or kNone.
+  std::uint32_t look_up(std::uint32_t hash);
+  /// Adds an update by the ray that was looked up last.
+  void add_update(const PredictorUpdate& update);
+  /// Returns the updates of the tile, in the order of the rays.
+  std::span<const PredictorUpdate> updates() const { return updates_; }
+
+ private:
+  const RayPredictor& predictor_;
+  PredictorTable table_;
+  const std::uint32_t ray_lag_;
+  std::vector<PredictorUpdate> updates_;
+  std::vector<std::uint32_t> updating_rays_;  ///< number of the ray of each update, from 1
+  std::uint32_t rays_ = 0;                    ///< number of look-ups
+  std::size_t visible_ = 0;                   ///< number of updates that the table contains
 };
 
-/// The tables of a frame program's tiles. Tile number t looks up the table as it is after tile t - lag, so that results
-/// do not depend on the number of threads. Before the first update the table is empty.
+/// The tables of a frame program's tiles. Tile number t begins with the table as it is after tile t - lag, so that
+/// results do not depend on the number of threads. Before the first update the table is empty.
 class PredictorHistory {
  public:
   explicit PredictorHistory(const RayPredictor& predictor);

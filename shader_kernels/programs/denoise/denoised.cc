@@ -174,9 +174,9 @@ void DenoisedProgram::split_light(TileGraph& graph, std::uint32_t samples, std::
   ports.samples = static_cast<float>(per_pixel);
   ports.inverse_samples = 1.0F / static_cast<float>(per_pixel);
   ports.most = most_;
-  const Node split = graph.launch<SplitLight<kHalf>>(ports, samples);
-  graph.wait_for_colour_writers(split);
-  graph.wait_for_record_writers(split);
+  const Node split_launch = graph.launch<SplitLight<kHalf>>(ports, samples);
+  graph.wait_for_colour_writers(split_launch);
+  graph.wait_for_record_writers(split_launch);
   const std::uint32_t pixels = samples / per_pixel;
   std::byte* to = reinterpret_cast<std::byte*>(memory_->data()) + block_address(out.tile);
   const auto append = [&](const auto& array, std::uint32_t record_bytes) {
@@ -189,7 +189,7 @@ void DenoisedProgram::split_light(TileGraph& graph, std::uint32_t samples, std::
   append(records.motions, bytes_.motion);
   append(records.albedos, bytes_.albedo);
   graph.wait_for_all(graph.add_transfer(Region::kSamples, true, block_address(out.tile), pixels * bytes_.block()),
-                     split);
+                     split_launch);
 }
 
 // Later passes.

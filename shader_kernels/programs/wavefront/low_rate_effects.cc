@@ -109,7 +109,8 @@ void Wavefront::spawn_bounce_rays(const WaveBounce& bounce, WaveBounce& next) {
   const TileBuffer& buffer = wave_.buffer;
   if (buffer.checks.passed.items == 0) return;
   CastBounce::Ports<float> ports;
-  bind_stage<CastBounce>(ports, wave_, bounce, {.next_ray = next.rays});
+  bind_stage<CastBounce>(ports, wave_, bounce,
+                         {.entries = wave_.buffer.checks.passed.entries.data(), .next_ray = next.rays});
   ports.draw = {0.5F, 0.5F, scramble_bits<float>(jitter_seed(wave_.out.work.frame) ^ kBounceSeed)};
   ports.apart = wave_.retained.low_rate.layer;
   const TileGraph::Node maker = graph_.launch<CastBounce>(ports, buffer.checks.passed.items, bounce.lanes);

@@ -14,16 +14,18 @@ using test::Method;
 using test::Outcome;
 using test::play;
 
-kernels::RenderConfig with_occlusion(std::uint32_t width = 32) {
+kernels::RenderConfig with_occlusion() {
   kernels::RenderConfig render;
-  render.width = width;
-  render.height = width / 2;
+  render.width = 32;
+  render.height = 16;
   render.tile = 8;
-  render.effects = "occlusion, soft_shadows, reflections, refractions";
+  render.effects = "occlusion, shadows, reflections, refractions";
+  render.occlusion_distance = 0.5;
+  render.occlusion_rays = 1;
   return render;
 }
 
-constexpr traces::PredictorConfig kLearning{.enabled = true, .lag = 2};
+constexpr traces::PredictorConfig kLearning{.enabled = true, .origin_bits = 2, .go_up = 6, .lag = 2, .ray_lag = 8};
 
 GpuConfig machine(bool predicts) {
   GpuConfig config;
@@ -60,8 +62,8 @@ TEST(PredictedFrames, HaveThePicturesOfOtherFrames) {
   for (const traces::Scene& scene : scenes) {
     for (const std::uint32_t width : {2U, 4U}) {
       const traces::BvhConfig bvh{.width = width};
-      const Outcome with = play(Method(scene, "full:1", {}, with_occlusion(64), bvh, kLearning), machine(true));
-      const Outcome without = play(Method(scene, "full:1", {}, with_occlusion(64), bvh), machine(false));
+      const Outcome with = play(Method(scene, "full:1", {}, with_occlusion(), bvh, kLearning), machine(true));
+      const Outcome without = play(Method(scene, "full:1", {}, with_occlusion(), bvh), machine(false));
       EXPECT_EQ(with.function.rgb, without.function.rgb);
       EXPECT_GT(with.sum("predictor", "correct"), 0U);
       const auto shadow = static_cast<std::size_t>(traces::RayKind::kShadow);
@@ -72,9 +74,10 @@ TEST(PredictedFrames, HaveThePicturesOfOtherFrames) {
   }
 }
 
-TEST(PredictedFrames, LearnNothingBeforeTheLag) {
+TEST(PredictedFrames, LearnNothingBeforeTheLags) {
   traces::PredictorConfig late = kLearning;
   late.lag = 64;  // more than all tiles
+  late.ray_lag = 65536;
   const Method method(traces::open_scene("cornell"), "full:1", {}, with_occlusion(), {}, late);
   const Outcome outcome = play(method, machine(true));
   EXPECT_EQ(outcome.sum("predictor", "predicted"), 0U);

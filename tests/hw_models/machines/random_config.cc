@@ -114,7 +114,13 @@ class Drawing {
                      change(*member, {sane ? near(limits, member->time) : number(limits, 3 * member->time)});
                    },
                    [&](sim::EnumTarget& member) {
+                     const std::size_t before = member.get();
                      member.set(below(member.names.size() - undrawn_names(field.path)));
+                     try {
+                       sim::check_tree(root_);
+                     } catch (const sim::InputError&) {
+                       member.set(before);
+                     }
                    },
                    [](auto&) {},
                },
@@ -134,6 +140,12 @@ GpuConfig drawn(std::uint64_t seed, Range range, Trees trees = Trees::kBinary) {
   config.dram = sim::load_config<DramConfig>(kGrades[sim::hash(seed) % kGrades.size()]);
   sim::ConfigNode root = sim::config_tree(config);
   Drawing(seed, range, trees, root).draw(root);
+  // Groups of rays exclude some keys, so that a quarter of the machines have them.
+  if (sim::hash(seed, config.cores) % 2 == 0) config.tni.trv.gather = Gather::kOff;
+  if (config.tni.trv.gather != Gather::kOff) {
+    config.tni.miss_handling = MissHandling::kReorder;
+    config.tni.trv.box_testers = std::max(2U, config.tni.trv.box_testers);
+  }
   sim::check_config(config);
   return config;
 }

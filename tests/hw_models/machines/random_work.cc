@@ -62,7 +62,7 @@ class Additions {
     transfers_.push_back(static_cast<std::uint32_t>(work_.nodes.size()));
     WorkNode& node = work_.nodes.emplace_back();
     node.kind = WorkNode::Kind::kTransfer;
-    node.region = static_cast<traces::Region>(below(kRegions));
+    node.region = static_cast<traces::Region>(below(kTileRegions));
     node.to_memory = below(2) == 0;
     node.offset = below(1 << 14);
     node.items = 1 + below(500);

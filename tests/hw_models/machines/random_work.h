@@ -6,8 +6,11 @@
 
 namespace hw::test {
 
+/// Number of regions to which tiles transfer: picture, samples and rates. The others are for building trees.
+inline constexpr std::size_t kTileRegions = static_cast<std::size_t>(traces::Region::kBuild);
+
 /// Returns the recorded tiles of a frame with random additions, determined by `seed`. Added are transfers to and from
-/// all regions, launches that wait for transfers, idle items, and dependencies between tiles.
+/// the regions of tiles, launches that wait for transfers, idle items, and dependencies between tiles.
 std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed);
 
 }  // namespace hw::test

@@ -28,7 +28,7 @@ GpuConfig drawn_machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : t
 
 /// Expects that the machine counted as many lines, rays and items as its tiles have.
 void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConfig& config, const Outcome& run) {
-  std::array<std::array<std::uint64_t, 2>, kRegions> lines{};
+  std::array<std::array<std::uint64_t, 2>, test::kTileRegions> lines{};
   std::uint64_t rays = 0, idle = 0, items = 0, chunks = 0;
   for (const traces::TileWork& work : works) {
     for (const traces::WorkNode& node : work.nodes) {
@@ -43,8 +43,8 @@ void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConf
       }
     }
   }
-  const std::array<std::string, kRegions> names = {"picture", "samples", "rates"};
-  for (std::size_t region = 0; region < kRegions; ++region) {
+  const std::array<std::string, test::kTileRegions> names = {"picture", "samples", "rates"};
+  for (std::size_t region = 0; region < test::kTileRegions; ++region) {
     EXPECT_EQ(run.sum("dma", names[region] + "_lines_read"), lines[region][0]);
     EXPECT_EQ(run.sum("dma", names[region] + "_lines_written"), lines[region][1]);
     EXPECT_GT(lines[region][0], 0U) << names[region];

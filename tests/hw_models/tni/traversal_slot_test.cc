@@ -83,7 +83,7 @@ TEST(TraversalSlot, PopsEachCulledEntryBeforeTheOneThatItContinuesAt) {
     EXPECT_TRUE(slot.pop_stack_entry(stats));
   }
   EXPECT_EQ(slot.next_pipe(), kToInner);
-  EXPECT_FALSE(slot.pop_stack_entry(stats)) << "the stack is empty";
+  EXPECT_FALSE(slot.has_entries());
 }
 
 TEST(TraversalSlot, DropsTheOldestEntryOfAFullShortStack) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shader_kernels/programs/path/path_program.h"
+#include "shader_kernels/programs/path_program.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/error.h"
 #include "tests/shader_kernels/harness.h"

@@ -91,7 +91,7 @@ TEST(BadConfig, AnEffectThatTheProgramCannotTraceRaysFor) {
 
 TEST(BadConfig, ALowerRateOfEffectsThatThereAreNotOrWhereNothingFiltersThem) {
   expect_yaml_refused("render:\n  effect_rate: half\n",
-                      ":3:3:", {"render.effect_rate", "effects has neither", "allowed: full"});
+                      ":3:3:", {"render.effect_rate", "effects has none", "allowed: full"});
   const TempFolder folder;
   const auto refused = [&](const Words& more, const Words& parts) {
     Words words = {"run", "--set", "render.effects=occlusion", "--set", "render.effect_rate=checkerboard"};

@@ -65,7 +65,7 @@ TEST(Dvfs, PointAtTheNominalClocksIsTheRun) {
 
 TEST(Dvfs, HasItsLeastEnergyInsideTheRangeForAFrameThatTheUnitsBound) {
   const Json curve =
-      Json::parse(ending_well({"dvfs", "sgrt-balanced", "--resolution", "128x64", "--json", "--threads", "2"}).out);
+      Json::parse(ending_well({"dvfs", "sgrt-balanced", "--resolution", "96x48", "--json", "--threads", "2"}).out);
   const std::size_t least = curve["energy_optimal"], last = curve["points"].size() - 1;
   EXPECT_GT(least, 0U);
   EXPECT_LT(least, last);

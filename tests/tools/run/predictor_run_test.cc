@@ -1,3 +1,4 @@
+#include <array>
 #include <filesystem>
 #include <string>
 
@@ -73,7 +74,8 @@ TEST_F(PredictorRun, IsRefusedWhereItCannotLearnOrHasNoNode) {
   refused({"--set", "bvh.instances=two_level"}, {"tni.predictor.enabled", "allowed with it: bvh.instances=flatten"});
   refused({"--set", "tni.trv.stack_push=node"}, {"tni.predictor.enabled", "allowed with it: trv.stack_push=child"});
   refused({"--set", "tni.predictor.ways=16", "--set", "tni.predictor.entries=8"}, {"tni.predictor.ways: is 16"});
-  folder_.write("some.rays", std::string(32, '\0'));
+  const std::array<float, 8> ray{0, 0, 0, 0, 0, 0, 1, 1};  // origin, t_min, direction, t_max
+  folder_.write("some.rays", std::string(reinterpret_cast<const char*>(ray.data()), sizeof ray));
   expect_refusal(in_folder({"run", "--rays", "some.rays", "-o", "x", "--set", "tni.predictor.enabled=true"}),
                  {"--rays: a list of rays has no tiles", "allowed: tni.predictor.enabled=false"});
 }

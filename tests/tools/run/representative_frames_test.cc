@@ -49,7 +49,7 @@ TEST(RepresentativeFrames, OfTwoCameraPositionsAreTwoClustersWithExactTotals) {
     weights += frame["weight"].get<double>();
   }
   EXPECT_NEAR(weights, 9, 1e-9);
-  for (std::size_t u = 0; u < whole["units"].size(); ++u) EXPECT_EQ(some["units"][u], whole["units"][u]);
+  EXPECT_EQ(some["units"], whole["units"]);
 }
 
 TEST(RepresentativeFrames, DoNotDependOnThreadsAndDependOnTheDraw) {
@@ -118,6 +118,7 @@ TEST(RepresentativeFrames, RefuseWhatCannotBeCombined) {
   };
   refused("render.primary=raster");
   refused("thermal.minutes=1");
+  refused("build.policy=cost");
   EXPECT_THROW(report_of(orbit_options("7", "3"), "auto"), sim::InputError);
 }
 

@@ -24,12 +24,11 @@ TileWork tile_with_look_ups(const MemoryImage& image, const std::vector<Ray>& ra
   TileWork tile;
   std::vector<Hit> hits(rays.size());
   for (int round = 0; round < 2; ++round) {
-    std::vector<PredictorUpdate> updates;
-    const TilePredictions predictions{*tracer.ray_predictor(), table, updates};
+    TilePredictions predictions(*tracer.ray_predictor(), table);
     tile = {};
     WalkSink sink{tile.walk, tile.ray_begin, &predictions};
     tracer.trace(rays, RayKind::kShadow, hits, &sink);
-    for (const PredictorUpdate& update : updates) table.store_node(update);
+    for (const PredictorUpdate& update : predictions.updates()) table.store_node(update);
   }
   const auto count = static_cast<std::uint32_t>(rays.size());
   tile.nodes = {

@@ -66,8 +66,7 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   spare_.pop_back();
   for_each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
   if (predictions_) {
-    slot->updates.clear();
-    slot->predictions.emplace(*tracer_.ray_predictor(), predictions_->table_of(next_tile_), slot->updates);
+    slot->predictions.emplace(*tracer_.ray_predictor(), predictions_->table_of(next_tile_));
     slot->tile.predictions = &*slot->predictions;
   }
   return slot;
@@ -164,7 +163,7 @@ void FrontEnd::commit_slot(const Slot& slot) {
   });
   program_.commit_tile(slot.tile);
   if (predictions_) {
-    predictions_->commit_tile(slot.updates);
+    predictions_->commit_tile(slot.predictions->updates());
     room_.notify_all();
   }
   if (itemised_) add_tile_costs(slot.tile);

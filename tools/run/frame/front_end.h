@@ -73,7 +73,6 @@ class FrontEnd final : public hw::TileSource {
  private:
   struct Slot {
     kernels::TileResult tile;
-    std::vector<traces::PredictorUpdate> updates;        ///< updates of the predictor by the tile's rays
     std::optional<traces::TilePredictions> predictions;  ///< what the tile's rays look up, if they are predicted
     double seconds = 0;
     std::uint64_t bytes = 0;  ///< size of the tile's arrays, set when the tile is ready

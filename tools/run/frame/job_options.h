@@ -29,7 +29,7 @@ struct JobOptions {
   std::string progress = "auto";  ///< form of the progress display (Progress)
   bool watch = false;             ///< show picture, utilisation and power during the run
   std::string tile_sampling;      ///< share of work to simulate: "5%" or "auto"; empty: all tiles are simulated
-  std::string representative;     ///< clusters of frames of which some are simulated: "auto" or "12"; empty: all frames
+  std::string representative;     ///< number of clusters, each with simulated frames: "auto" or "12"; empty: all frames
   std::string slices;             ///< "8" or "auto" slices per frame, simulated concurrently; empty: none
   std::uint32_t replicates = 1;   ///< simulations of each frame (docs/noise.md)
   bool intervals = true;          ///< record cycle reasons and counters over time (docs/intervals.md)

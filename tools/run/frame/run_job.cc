@@ -256,7 +256,11 @@ void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
 }
 
 void go_to_frame(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
-  if (pose_frame(in, frame)) update_tree(in, threads, progress);
+  if (in.frame == frame) return;
+  const bool has_old_tree = pose_frame(in, frame == 0 ? 1 : frame - 1);
+  const bool moved = pose_frame(in, frame);
+  if (moved || has_old_tree) update_tree(in, threads, progress);
+  if (!moved) in.builds = {.engine = in.config.build.engine, .trees = {}, .sizes = {}};
 }
 
 bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {

@@ -69,8 +69,8 @@ std::string inputs_text(const RunConfig& config);
 bool pose_frame(Inputs& inputs, std::uint32_t frame);
 /// Refits or rebuilds the tree for the geometry of the current frame. Throws Interrupted.
 void update_tree(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
-/// Poses the scene for frame `frame` of the sequence, then refits or rebuilds the tree if geometry moved. Throws
-/// Interrupted.
+/// Poses the scene for frame `frame` of the sequence, then refits or rebuilds the tree if geometry moved. The machine
+/// builds trees for the movement since frame `frame` - 1. Throws Interrupted.
 void go_to_frame(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Throws Interrupted if an interrupt is pending.
@@ -116,7 +116,7 @@ struct SlicedFrame {
   void add(const SlicedFrame& other);
 };
 
-/// Statistics and estimates of a sequence of which some frames were simulated (docs/sequences.md).
+/// Statistics of a sequence, and totals estimated from its simulated frames (docs/sequences.md).
 struct RepresentedFrames {
   std::uint32_t frames = 0, simulated = 0, rounds = 0;
   std::uint32_t asked = 0;                   ///< requested number of clusters; 0: automatic

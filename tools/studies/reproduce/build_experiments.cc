@@ -24,6 +24,10 @@ std::vector<View> moving_views(bool quick) {
 
 Sets streaming_unit() { return {"build.engine=unit", "build.policy=rebuild", "bvh.builder=lbvh"}; }
 
+Sets ploc_unit() {
+  return {"build.engine=unit", "build.policy=rebuild", "bvh.builder=ploc", "tree_builder.comparators=16"};
+}
+
 /// Returns a unit that reads and writes the boxes of all triangles once per level, as binning does, above subtrees that
 /// fit on chip. The passes are those of a merge of two runs; the tree is that of the surface area heuristic.
 Sets binning_unit() {
@@ -53,6 +57,7 @@ std::vector<Case> build_cases(bool quick) {
         cases.push_back(std::move(c));
       };
       add("streaming unit against binning unit", streaming_unit(), binning_unit(), "merge tree 2017");
+      add("streaming unit of PLOC against binning unit", ploc_unit(), binning_unit(), "PLOC tree 2018");
       add("kernels against streaming unit", build_kernels(), streaming_unit(), "kernels");
       add("streaming unit against a free tree", streaming_unit(), {"build.engine=host"}, "cost of building");
     }

@@ -29,7 +29,7 @@ std::vector<Bounds> random_boxes(std::uint32_t count, float size, std::uint64_t 
   return boxes;
 }
 
-/// Returns boxes of which many have equal centres or sizes.
+/// Returns boxes. Many of them have equal centres or sizes.
 std::vector<Bounds> grid_boxes(std::uint32_t count) {
   Dice dice(3);
   std::vector<Bounds> boxes(count);

@@ -1,4 +1,4 @@
-#include "shader_kernels/programs/path/path_program.h"
+#include "shader_kernels/programs/path_program.h"
 
 #include "shader_kernels/kernels/path.h"
 #include "shader_kernels/programs/path/path_tracer.h"
