@@ -46,7 +46,8 @@ void expect_lines_conserved(const Outcome& run, const std::string& core, const G
   const std::uint64_t visits = run.sum(core, "trv", "visits"), first_passes = run.sum(core, "trv", "first_passes");
   const bool wide = run.sum(core, "trv", "node_lines") != 0;
   EXPECT_EQ(first_passes, config.tni.trv.box_testers == 1 && !wide ? visits : 0);
-  const std::uint64_t lines_read = run.sum(core, "trv", "l1_hits") + run.sum(core, "trv", "rau_reads");
+  const std::uint64_t gathered = config.tni.trv.gather == Gather::kOff ? 0 : run.sum(core, "trv", "gathered");
+  const std::uint64_t lines_read = run.sum(core, "trv", "l1_hits") + run.sum(core, "trv", "rau_reads") + gathered;
   const std::uint64_t transforms = run.sum(core, "trv", "transforms");
   EXPECT_GE(lines_read, visits + first_passes + transforms);
   const std::uint64_t links = run.sum(core, "trv", "parent_links");
@@ -161,10 +162,11 @@ void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& c
   EXPECT_EQ(run.sum("trv", "visits") - run.sum("trv", "restarted_visits") + run.sum("ist", "tests") - extra,
             run.function.traversal_steps);
   const traces::Layout& layout = frame.workload().image.layout;
+  const std::uint64_t gathered = config.tni.trv.gather == Gather::kOff ? 0 : run.sum("trv", "gathered");
   if (layout.single_boxes.empty() && kLine % layout.node_bytes == 0) {
     EXPECT_EQ(run.sum("trv", "visits") + run.sum("trv", "first_passes") + run.sum("trv", "transforms") +
                   run.sum("trv", "parent_links"),
-              run.sum("trv", "l1_hits") + run.sum("trv", "rau_reads"));
+              run.sum("trv", "l1_hits") + run.sum("trv", "rau_reads") + gathered);
   }
   expect_tiles_conserved(run, frame, config);
 }

@@ -134,6 +134,12 @@ GpuConfig drawn(std::uint64_t seed, Range range, Trees trees = Trees::kBinary) {
   config.dram = sim::load_config<DramConfig>(kGrades[sim::hash(seed) % kGrades.size()]);
   sim::ConfigNode root = sim::config_tree(config);
   Drawing(seed, range, trees, root).draw(root);
+  // Groups of rays exclude some keys, so that a quarter of the machines have them.
+  if (sim::hash(seed, config.cores) % 2 == 0) config.tni.trv.gather = Gather::kOff;
+  if (config.tni.trv.gather != Gather::kOff) {
+    config.tni.miss_handling = MissHandling::kReorder;
+    config.tni.trv.box_testers = std::max(2U, config.tni.trv.box_testers);
+  }
   sim::check_config(config);
   return config;
 }
