@@ -291,8 +291,8 @@ struct SplitLight {
       return to_int(select(is_diffuse, max(x * 255.0F, F<V>(kLeastAlbedo)), F<V>(255.0F)) + 0.5F);
     };
     const I<V> red = byte(albedo.x), green = byte(albedo.y), blue = byte(albedo.z);
-    const auto divided = [](const F<V>& light, const I<V>& albedo) {
-      return light / (to_float(albedo) * (1.0F / 255.0F));
+    const auto divided = [](const F<V>& channel, const I<V>& albedo_byte) {
+      return channel / (to_float(albedo_byte) * (1.0F / 255.0F));
     };
     const Vec3<V> light{divided(mean(io.red, colour.x, io.most), red),
                         divided(mean(io.green, colour.y, io.most), green),
@@ -401,9 +401,9 @@ struct AccumulateHistory {
     const Vec3<V> normal = unpack_normal<V>(guide.normal);
     LightRecord<V> first_light;
     MomentsRecord<V> first_moments;
-    F<V> all, length;
-    Vec3<V> light;
-    F<V> mean, deviation;
+    F<V> all{}, length{};
+    Vec3<V> light{};
+    F<V> mean{}, deviation{};
     for (std::uint32_t tap = 0; tap < 4; ++tap) {
       const F<V> column = (tap & 1U) != 0 ? left + 1.0F : left, row = tap >= 2 ? top + 1.0F : top;
       const M<V> inside = logical_and(logical_and(F<V>(0.0F) <= column, column <= io.tile.last_x),
