@@ -399,8 +399,8 @@ struct AccumulateHistory {
     const F<V> left = floor(x), top = floor(y), right_share = x - left, bottom_share = y - top;
     const F<V> depth = guide.depth * depth_ratio;
     const Vec3<V> normal = unpack_normal<V>(guide.normal);
-    LightRecord<V> first_light;
-    MomentsRecord<V> first_moments;
+    LightRecord<V> first_light{};
+    MomentsRecord<V> first_moments{};
     F<V> all{}, length{};
     Vec3<V> light{};
     F<V> mean{}, deviation{};
