@@ -23,7 +23,7 @@ traces::MemoryImage image_of(const char* scene, std::uint32_t leaf_size = 4) {
   return traces::build_memory_image(traces::open_scene(scene), bvh, 1);
 }
 
-TEST(BuildKernels, WriteTheTreeOfTheHost) {
+TEST(BuildKernels, EncodeTheNodesOfTheHost) {
   for (const char* scene : {"cornell", "teapot"}) {
     for (const std::uint32_t leaf_size : {1U, 4U}) {
       const traces::MemoryImage image = image_of(scene, leaf_size);

@@ -37,10 +37,17 @@ void check_sequence(const Inputs& inputs) {
     throw sim::InputError(
         "--representative: effects of a reduced rate are not counted; allowed: render.effect_rate=full");
   }
-  if (inputs.config.programs.denoise.has_kernels()) {
-    throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off or external");
+  if (inputs.config.programs.denoise.filter != kernels::DenoiseFilter::kOff) {
+    throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off");
   }
   const traces::BuildPolicy policy = inputs.config.build.policy;
+  const bool refits = policy == traces::BuildPolicy::kRefit || (policy == traces::BuildPolicy::kUpdate &&
+                                                                inputs.config.bvh.update == traces::BvhUpdate::kRefit);
+  if (refits && inputs.config.build.engine != traces::BuildEngine::kHost) {
+    throw sim::InputError(
+        "--representative: the first frame builds the tree that others refit; allowed: build.engine=host, or "
+        "build.policy=rebuild");
+  }
   if (policy == traces::BuildPolicy::kPeriod || policy == traces::BuildPolicy::kCost) {
     throw sim::InputError(
         "--representative: trees of this build.policy depend on earlier frames; allowed: update, refit, rebuild");
