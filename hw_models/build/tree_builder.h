@@ -98,7 +98,7 @@ class TreeBuilder {
  public:
   static constexpr const char* kName = "tree_builder";
   static constexpr Block kBlock = Block::kBuild;
-  static constexpr std::uint32_t kJobs = 1024;  ///< most trees that wait for the builder
+  static constexpr std::uint32_t kJobs = 1024;  ///< capacity of the queue of trees that wait for the builder
   enum class CycleReason : std::uint8_t {
     kIdle,
     kSorting,

@@ -279,9 +279,9 @@ class L1Cache {
 
   /// What became of prefetched lines, counted after count_prefetches().
   struct PrefetchCounts {
-    std::uint64_t useful = 0;   ///< lines read after they arrived
-    std::uint64_t late = 0;     ///< lines needed before they arrived
-    std::uint64_t useless = 0;  ///< lines evicted before they were needed
+    std::uint64_t useful = 0;   ///< prefetched lines that were read after they arrived
+    std::uint64_t late = 0;     ///< prefetched lines that were needed before they arrived
+    std::uint64_t useless = 0;  ///< prefetched lines that were evicted unread
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)

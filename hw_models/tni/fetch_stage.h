@@ -197,7 +197,7 @@ class FetchStage {
       l1_.add_waiting_slots(line, slot_mask);
     }
   }
-  /// Returns a mask of the slots whose line has arrived and is kept for them.
+  /// Returns a mask of the ray slots whose line has arrived and is held until they read it.
   std::uint64_t served_slots() const { return served_; }
 
   /// Attributes later memory requests of a slot to the given tile.

@@ -40,8 +40,8 @@ class NodePrefetcher {
   void push_entry(std::uint32_t slot, std::uint32_t link);
   /// Notes that a wide visit pushed all hit children but the first. `hits`: the walk's word of hits.
   void push_entries_of(std::uint32_t slot, std::uint32_t node, std::uint32_t hits);
-  /// Notes a pop and queues prefetches if it follows a pop. `resident`: entries that remain in the short stack; the
-  /// youngest `culled` of them begin beyond the ray's hit.
+  /// Records a pop. If the ray's previous stack operation was also a pop, queues prefetches of remaining entries.
+  /// `resident`: entries left in the short stack; the youngest `culled` of them begin beyond the ray's hit.
   void pop_entry(std::uint32_t slot, std::uint32_t resident, std::uint32_t culled);
   /// Notes that a restart took the youngest entry without a pop.
   void take_entry(std::uint32_t slot);

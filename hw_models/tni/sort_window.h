@@ -26,7 +26,7 @@ class SortWindow {
   bool is_full() const { return entries_.size() == capacity_; }
   std::size_t size() const { return entries_.size(); }
 
-  /// Inserts a ray at cycle `cycle`. Returns the number of entries that it moves. The window must not be full.
+  /// Inserts a ray at cycle `cycle`, and returns how many entries shift to make room. The window must not be full.
   std::uint64_t insert_ray(const RayJob& job, std::uint64_t cycle);
   struct Sent {
     RayJob job;

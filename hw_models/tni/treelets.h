@@ -29,7 +29,7 @@ class Treelets {
 
   /// Returns the number of the treelet whose root is `node`; kNone if the node is no root.
   std::uint32_t treelet_with_root(std::uint32_t node) const { return of_root_[node]; }
-  /// Returns the lines of a treelet that the root does not contain, in breadth-first order of their nodes.
+  /// Returns the lines of a treelet, except those of its root node, in breadth-first order of their nodes.
   std::span<const Addr> lines_below_root(std::uint32_t treelet) const {
     return std::span(lines_).subspan(begin_[treelet], begin_[treelet + 1] - begin_[treelet]);
   }

@@ -113,7 +113,7 @@ struct BuildLeaf {
     Local<V, BuildLeafRecord> leaves;
     Local<V, KeyRecord> keys;
     Vec3<V> scene_lower;  ///< sum of the scene's lower bounds with itself
-    Vec3<V> grid_scale;   ///< half the grid cells per unit of length
+    Vec3<V> grid_scale;   ///< half the grid cells per unit length: scales lower + upper plane
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.corners, p.inputs, p.leaves, p.keys, p.scene_lower, p.grid_scale));
     }

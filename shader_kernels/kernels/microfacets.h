@@ -9,7 +9,7 @@ namespace kernels {
 // Reflection by GGX microfacets: Smith's height-correlated masking (Heitz 2014), Schlick's Fresnel term, and visible
 // normals by spherical caps (Dupuy & Benyoub 2023). Only single scattering: rough metals lose some light.
 
-/// Smallest cosine between a rough surface and a direction; at more grazing angles it is used instead.
+/// Lower bound of the cosine between a rough surface's normal and a direction; smaller cosines are raised to it.
 inline constexpr float kGrazing = 1e-3F;
 
 /// Returns sin(half_turns * pi) for half_turns in [-1/2, 1/2], from its series; the error is below 4e-6.

@@ -183,7 +183,7 @@ struct SampleLight {
   }
 };
 
-/// Next-event estimation at rough surfaces: as sample_light, for diffuse light and the GGX lobe together.
+/// Next-event estimation at rough surfaces: as sample_light, with the sum of the diffuse and the GGX lobe.
 template <bool kSoft>
 struct SampleLightRough {
   static constexpr std::string_view kName = kSoft ? "sample_light_rough_soft" : "sample_light_rough";

@@ -51,7 +51,7 @@ class RepresentativeFrames final : public FrameSource {
   FrameSample sample_;
   const double counting_seconds_;
   std::uint32_t rounds_ = 1;
-  std::vector<std::optional<FrameResult>> results_;  ///< results of each frame of the sequence that is simulated
+  std::vector<std::optional<FrameResult>> results_;  ///< for each frame of the sequence, its result if simulated
 };
 
 }  // namespace tools

@@ -33,7 +33,7 @@ struct FrameCounts {
 class FrameCounter {
  public:
   FrameCounter();
-  /// Begins a frame whose memory has this layout.
+  /// Starts to count a new frame. `layout`: addresses of the arrays in its memory image.
   void begin_frame(const traces::Layout& layout);
   void add_tile(const traces::TileWork& work);
   const FrameCounts& counts() const { return counts_; }

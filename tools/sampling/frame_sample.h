@@ -65,7 +65,7 @@ class FrameSample {
  private:
   /// Returns the residuals of the regression in the chosen frames.
   std::vector<double> residuals(std::span<const double> observed) const;
-  /// Returns the variance of residuals between the frames of each cluster; 0 if one frame is chosen.
+  /// Returns the variance of the residuals within each cluster; 0 if one frame of it is chosen.
   std::vector<double> variances(std::span<const double> observed) const;
   /// Chooses `numbers_[c]` frames of each cluster `c`, and computes their weights.
   void choose_frames();
@@ -77,7 +77,7 @@ class FrameSample {
   std::vector<std::uint32_t> numbers_;             ///< number of chosen frames of each cluster
   std::vector<std::uint32_t> chosen_;
   std::vector<double> weights_;
-  std::vector<double> smoother_;  ///< matrix: fitted values = smoother x observed values, apart from their mean
+  std::vector<double> smoother_;  ///< matrix: fitted = smoother x observed, both less their mean
   double parameters_ = 0;         ///< effective number of parameters of the regression
 };
 

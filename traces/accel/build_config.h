@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 3> names_of(BuildEngine) { return {"host"
 
 /// When the tree of a moving scene is rebuilt; otherwise it is refitted.
 enum class BuildPolicy : std::uint8_t {
-  kUpdate,   ///< as bvh.update selects
+  kUpdate,   ///< rebuilt or refitted as the key bvh.update selects
   kRefit,    ///< never after the first frame
   kRebuild,  ///< each frame
   kPeriod,   ///< each frame whose number is a multiple of `period`

@@ -102,8 +102,8 @@ class PredictorTable {
   std::vector<PredictorUpdate> entries_;  ///< node kNone: empty
 };
 
-/// The table as a tile's any-hit rays see it, and their updates. A ray's update is visible to the tile's own rays from
-/// the ray `ray_lag` after it on.
+/// A tile's view of the predictor table. Within the tile, the update of ray i is visible to rays i + `ray_lag` and
+/// later.
 class TilePredictions {
  public:
   /// `table`: the table at the start of the tile, which is copied.

@@ -39,7 +39,7 @@ class AccessWriter {
   std::vector<std::uint32_t> shape_of_;  ///< for each item, the number of its shape
 };
 
-/// Numbers of the elements that accesses can name.
+/// Numbers of records and words that accesses of a frame can read.
 struct AccessLimits {
   const ImageCounts& counts;
   std::uint64_t stored_words = 0;  ///< 4-byte words of region kSamples

@@ -180,7 +180,7 @@ struct PropagationSubpixel {
 struct TileResult {
   /// If not null, rasterisation by this rasteriser is recorded instead of primary rays (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
-  traces::TilePredictions* predictions = nullptr;  ///< if not null, recorded shadow rays are predicted
+  traces::TilePredictions* predictions = nullptr;  ///< predictor that shadow rays look up; null: none
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the tile in the picture, in pixels
   std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]

@@ -205,7 +205,7 @@ BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
 /// Returns a hash of a light and a bounce. The record of a sample's secondary shadows is a sum of such hashes.
 std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t light);
 RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
-/// Returns the random numbers that choose a microfacet of each rough mirror.
+/// Returns the frame's random numbers from which each hit of a rough mirror samples its microfacet.
 inline RandomPointUniforms<float> facet_points(const WaveContext& wave) {
   constexpr std::uint32_t kFacetSeed = 0x85ebca77U;
   return {0.5F, 0.5F, scramble_bits<float>(jitter_seed(wave.out.work.frame) ^ kFacetSeed)};

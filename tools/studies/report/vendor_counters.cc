@@ -111,7 +111,7 @@ constexpr auto kAdrenoCounters = std::to_array<VendorCounter>({
     {"SP_SCH_STALL_CYCLES_RTU", 150, "cycles", "srp.why.no_slots"},
 });
 
-/// Returns the report path of a counter in a formula.
+/// Converts a counter's name in a formula ("trv.visits") into the path of its value in report.json.
 std::string report_path(std::string_view name) {
   const std::size_t dot = name.find('.');
   assert(dot != std::string_view::npos);
