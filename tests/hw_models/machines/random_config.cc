@@ -140,9 +140,10 @@ GpuConfig drawn(std::uint64_t seed, Range range, Trees trees = Trees::kBinary) {
   config.dram = sim::load_config<DramConfig>(kGrades[sim::hash(seed) % kGrades.size()]);
   sim::ConfigNode root = sim::config_tree(config);
   Drawing(seed, range, trees, root).draw(root);
-  // Groups of rays exclude some keys, so that a quarter of the machines have them.
-  if (sim::hash(seed, config.cores) % 2 == 0) config.tni.trv.gather = Gather::kOff;
-  if (config.tni.trv.gather != Gather::kOff) {
+  // Groups of rays exclude values of other keys, so that one in eight of the wild machines has them.
+  const bool has_groups = range == Range::kWild && sim::hash(seed, 1U) % 8 == 0;
+  config.tni.trv.gather = has_groups ? Gather::kNode : Gather::kOff;
+  if (has_groups) {
     config.tni.miss_handling = MissHandling::kReorder;
     config.tni.trv.box_testers = std::max(2U, config.tni.trv.box_testers);
   }
