@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/json.h"
@@ -26,6 +27,7 @@
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/report/report.h"
 #include "tools/studies/report/vendor_counters.h"
+#include "tools/studies/reproduce/plan.h"
 #include "tools/studies/reproduce/reproduce.h"
 #include "tools/studies/worth/worth.h"
 
@@ -69,7 +71,9 @@ void add_reproduce_command(CLI::App& app, const std::vector<std::string>& argv) 
       app.add_subcommand("reproduce", "Run a paper's experiments, and print measured and published values");
   const auto options = std::make_shared<reproduce::Options>();
   options->argv = argv;
-  verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, chiu, sgrt-units, hybrid or wide")->required();
+  std::vector<std::string_view> papers;
+  for (const reproduce::Paper& paper : reproduce::all_papers()) papers.push_back(paper.name);
+  verb->add_option("paper", options->paper, fmt::format("{}", fmt::join(papers, ", ")))->required();
   verb->add_option("--scenes", options->scenes, "folder of .glb files for scenes without a built-in substitute");
   verb->add_flag(
       "--quick", options->quick,
