@@ -145,9 +145,8 @@ Gpu::Core& Gpu::declare_core(std::uint32_t core_number, const TreeKind& tree) {
 Gpu::BuilderWires Gpu::link_builder() {
   const TreeBuilderConfig& config = config_.tree_builder;
   constexpr std::uint32_t kPartition = 1;  // that of core 0
-  const sim::UnitId unit =
-      machine_.unit({TreeBuilder::kName, tni_clock_, kPartition, config.sram_bytes(), config.buffer.size.bytes,
-                     config.parts()});
+  const sim::UnitId unit = machine_.unit(
+      {TreeBuilder::kName, tni_clock_, kPartition, config.sram_bytes(), config.buffer.size.bytes, config.parts()});
   const auto known = sim::Lookahead::kByOwner;
   return {unit, machine_.link<TileJob>(TreeBuilder::kJobs, 1, dispatcher_id_, unit, known),
           machine_.link<TileDone>(2, 1, unit, dispatcher_id_, known)};

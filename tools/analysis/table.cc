@@ -221,8 +221,9 @@ std::string overview_text(const Json& report) {
   line("limited by (estimate)", t["limiter"].get<std::string>());
   if (t.contains("denoise")) {
     const Json& d = t["denoise"];
-    line("denoiser", fmt::format("{} of the time, {} of the energy, {} of the DRAM traffic", percent_text(d["time_share"]),
-                                 percent_text(d["energy_share"]), percent_text(d["dram_share"])));
+    line("denoiser",
+         fmt::format("{} of the time, {} of the energy, {} of the DRAM traffic", percent_text(d["time_share"]),
+                     percent_text(d["energy_share"]), percent_text(d["dram_share"])));
   }
   line("energy", band_text(t["energy_mj"], 1, "mJ  (low / nominal / high)") + half_interval(t, "energy_mj"));
   line("power", band_text(t["power_w"], 1, "W"));

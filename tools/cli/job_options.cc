@@ -57,7 +57,8 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: the first)");
   verb.add_option(
           "--program", options.program,
-          "frame program: full:N traces N samples per pixel (N a square), path:N N paths; multirate:under, multirate:super,\n"
+          "frame program: full:N traces N samples per pixel (N a square), path:N N paths; multirate:under, "
+          "multirate:super,\n"
           "undersample and supersample trace only samples whose neighbours differ; reconstruct and reconstruct:sraa\n"
           "shade one sample per pixel and use the geometry of four (docs/adaptive.md)")
       ->capture_default_str();

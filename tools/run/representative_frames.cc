@@ -41,8 +41,8 @@ void check_sequence(const Inputs& inputs) {
     throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off");
   }
   const traces::BuildPolicy policy = inputs.config.build.policy;
-  const bool refits = policy == traces::BuildPolicy::kRefit || (policy == traces::BuildPolicy::kUpdate &&
-                                                                inputs.config.bvh.update == traces::BvhUpdate::kRefit);
+  const bool refits = policy == traces::BuildPolicy::kRefit ||
+                      (policy == traces::BuildPolicy::kUpdate && inputs.config.bvh.update == traces::BvhUpdate::kRefit);
   if (refits && inputs.config.build.engine != traces::BuildEngine::kHost) {
     throw sim::InputError(
         "--representative: the first frame builds the tree that others refit; allowed: build.engine=host, or "

@@ -80,8 +80,8 @@ struct RunResult {
   std::string finished_part_text(std::size_t all) const;
 };
 
-/// Returns the width with which a run's pictures are compared; 0 without a denoiser, as perceived errors then stay out of
-/// the report.
+/// Returns the width with which a run's pictures are compared; 0 without a denoiser, as perceived errors then stay out
+/// of the report.
 std::uint32_t perceived_width(const RunConfig& config);
 /// Returns the errors of a frame that a trace contains.
 RecordedError recorded_error(const PictureError& error);
