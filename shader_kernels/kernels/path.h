@@ -81,16 +81,16 @@ struct ClassifyLit {
   }
 };
 
-/// Keeps the emissive surfaces in a list that mirrored, refracted or primary rays have hit. Light sources already
-/// represent the others.
+/// Keeps the surfaces in a list that rays with lower slots than scattered ones have hit. At the others, light sources
+/// already represent lamps.
 struct KeepVisible {
   static constexpr std::string_view kName = "keep_visible";
-  static constexpr std::string_view kMeaning = "emissive surface -> the same stream, unless a scattered ray hit it";
+  static constexpr std::string_view kMeaning = "surface -> the same stream, unless a scattered ray hit it";
   template <class V>
   struct Ports {
     Local<V, WordRecord> stream, kept;
     Counter<V> kept_count;
-    I<V> scattered;  ///< first ray slot of rays that diffuse and rough surfaces scattered
+    I<V> scattered;  ///< first ray slot of scattered rays
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.stream));
       port(p.kept, "visible_emitters");

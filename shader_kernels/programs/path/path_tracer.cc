@@ -53,26 +53,42 @@ constexpr auto kLights = std::to_array<WaveStage>({
     {&Q::rough, launch_by_discs<SampleLightRough>, WaitsFor::kBounce, kCastsRays},
 });
 
-/// Row of the table of kernels that emit the next rays of paths. Kernels that scatter are last.
+/// Which of a kernel's next rays are scattered: their hits on lamps would count light of light sources twice.
+enum class Scatters : std::uint8_t {
+  kNone,
+  kContinued,       ///< those that continue a scattered ray, because shadow rays pass the surface too
+  kContinuedGlass,  ///< as kContinued, if shadow rays pass glass
+  kAll              ///< all, because light sources illuminate the surface
+};
+
+/// Row of the table of kernels that emit the next rays of paths.
 struct ScatterStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
   RayKind kind;
-  bool scatters;  ///< the surface also gets light from light sources, so that hits on lamps count twice
+  Scatters scatters;
 };
 constexpr auto kScatter = std::to_array<ScatterStage>({
-    {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, false},
-    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, false},
-    {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, false},
-    {&Q::rough, launch_path<ScatterRough>, RayKind::kReflection, true},
-    {&Q::diffuse, launch_by_roughness<ScatterDiffuse>, RayKind::kReflection, true},
+    {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, Scatters::kContinued},
+    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, Scatters::kNone},
+    {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, Scatters::kContinuedGlass},
+    {&Q::rough, launch_path<ScatterRough>, RayKind::kReflection, Scatters::kAll},
+    {&Q::diffuse, launch_by_roughness<ScatterDiffuse>, RayKind::kReflection, Scatters::kAll},
 });
-static_assert(kScatter.size() <= std::tuple_size_v<decltype(WaveBounce::batches)>);
+/// Launches of one bounce that emit rays: blended surfaces and glass may need two.
+constexpr std::size_t kMostBatches = kScatter.size() + 2;
+static_assert(kMostBatches <= std::tuple_size_v<decltype(WaveBounce::batches)>);
 
 }  // namespace
 
 void PathTracer::run(const GeneratePorts<float>& ports, Node maker, std::uint32_t samples, RetainedRecords retained) {
   retained.is_path = true;
+  const SceneTables& scene = wave_.wave_.scene;
+  const auto is_lamp = [](const traces::MaterialRecord& material) {
+    return (material.flags & (traces::kEmissive | traces::kGlowing)) != 0;
+  };
+  counts_all_ = config_.emission == PathEmission::kAll || scene.lights.empty() ||
+                std::ranges::none_of(scene.image.materials, is_lamp);
   wave_.wave_.retained = retained;
   TileBuffer& buffer = wave_.wave_.buffer;
   buffer.reserve_paths(samples);
@@ -91,7 +107,7 @@ void PathTracer::run(const GeneratePorts<float>& ports, Node maker, std::uint32_
     if (retained.guides != nullptr && bounce.depth == 1) wave_.run_stage(kGuides, bounce, buffer.queues.surfaces);
     shade_emission(bounce);
     sample_lights(bounce);
-    if (bounce.depth == wave_.wave_.scene.depth) return;
+    if (bounce.depth == scene.depth) return;
     choose_lobes(bounce);
     bounce = scatter(bounce);
   }
@@ -106,11 +122,10 @@ Node PathTracer::seed_samples(const GeneratePorts<float>& ports, std::uint32_t s
 }
 
 void PathTracer::shade_emission(WaveBounce& bounce) {
-  const bool counts_all = config_.emission == PathEmission::kAll || wave_.wave_.scene.lights.empty();
-  if (!counts_all && scattered_ == 0) return;
+  if (!counts_all_ && scattered_ == 0) return;
   for (const WaveStage& stage : kPathEmission) {
     SlotQueue& queue = wave_.wave_.buffer.queues.*stage.queue;
-    if (!counts_all && scattered_ < bounce.rays) keep_visible(bounce, queue);
+    if (!counts_all_ && scattered_ < bounce.rays) keep_visible(bounce, queue);
     add_reader(wave_.run_stage(stage, bounce, queue));
   }
 }
@@ -165,7 +180,21 @@ void PathTracer::choose_lobes(WaveBounce& bounce) {
   bounce.colours = Wavefront::kNone;
 }
 
-/// Emits and traces the next rays of all paths.
+/// Counts the surfaces of a queue that rays with lower slots than scattered ones have hit. They are at its front,
+/// because queues are in the order of ray slots.
+PathTracer::KeptSurfaces PathTracer::count_visible(const WaveBounce& bounce, SlotQueue& queue) {
+  if (counts_all_ || scattered_ >= bounce.rays) return {Wavefront::kNone, queue.items};
+  if (queue.items == 0 || scattered_ == 0) return {};
+  KeepVisible::Ports<float> ports;
+  ports.stream.bind(queue.entries.data());
+  ports.kept.bind(wave_.wave_.buffer.queues.emissive.entries.data());  // no later launch of the bounce reads it
+  ports.scattered = scattered_;
+  const Node counted = wave_.graph_.launch<KeepVisible>(ports, queue.items, bounce.lanes);
+  wave_.graph_.wait_for_all(counted, bounce.inspector);
+  return {counted, ports.kept_count.value};
+}
+
+/// Emits and traces the next rays of all paths. Scattered rays are last.
 WaveBounce PathTracer::scatter(const WaveBounce& bounce) {
   TileBuffer& buffer = wave_.wave_.buffer;
   RaySlots& slots = buffer.rays.next_wave;
@@ -173,18 +202,35 @@ WaveBounce PathTracer::scatter(const WaveBounce& bounce) {
   WaveBounce next;
   next.depth = bounce.depth + 1;
   next.lanes = bounce.lanes;
-  scattered_ = 0;
-  for (const ScatterStage& stage : kScatter) {
-    SlotQueue& queue = buffer.queues.*stage.queue;
-    if (queue.items == 0) continue;
-    const auto [maker, rays] = stage.launch(
-        wave_.wave_, bounce,
-        {.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes, .next_ray = next.rays});
+  const bool passes_glass = wave_.wave_.scene.solid_shadow == traces::kTriangleMask;
+  std::array<KeptSurfaces, kScatter.size()> visible;
+  for (std::size_t row = 0; row < kScatter.size(); ++row) {
+    SlotQueue& queue = buffer.queues.*kScatter[row].queue;
+    const Scatters scatters = kScatter[row].scatters;
+    if (scatters == Scatters::kContinued || (scatters == Scatters::kContinuedGlass && passes_glass)) {
+      visible[row] = count_visible(bounce, queue);
+    } else if (scatters != Scatters::kAll) {
+      visible[row].items = queue.items;
+    }
+  }
+  const auto emit = [&](std::size_t row, std::uint32_t first, std::uint32_t end) {
+    if (first == end) return;
+    const ScatterStage& stage = kScatter[row];
+    const auto [maker, rays] = stage.launch(wave_.wave_, bounce,
+                                            {.entries = (buffer.queues.*stage.queue).entries.data() + first,
+                                             .items = end - first,
+                                             .lanes = bounce.lanes,
+                                             .next_ray = next.rays});
     wave_.wait_for_bounce(maker, bounce);
-    if (!stage.scatters) scattered_ = next.rays + rays;
-    if (rays == 0) continue;
+    wave_.graph_.wait_for_all(maker, visible[row].node);
+    if (rays == 0) return;
     next.batches[next.batch_count++] = wave_.tracer_.trace(stage.kind, slots, next.rays, rays, maker, true);
     next.rays += rays;
+  };
+  for (std::size_t row = 0; row < kScatter.size(); ++row) emit(row, 0, visible[row].items);
+  scattered_ = next.rays;
+  for (std::size_t row = 0; row < kScatter.size(); ++row) {
+    emit(row, visible[row].items, (buffer.queues.*kScatter[row].queue).items);
   }
   std::swap(buffer.rays.wave, buffer.rays.next_wave);
   buffer.reserve_wave(next.rays);

@@ -115,7 +115,7 @@ struct WaveBounce {
   std::uint32_t lanes = 0, padding = 0;  ///< values of TileGraph::launch()'s arguments with these names
   std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
                                                             ///< rays
-  std::array<TracedBatch, 5> batches{};                     ///< one for each kernel that emits rays of the bounce
+  std::array<TracedBatch, 7> batches{};                     ///< one for each launch that emits rays of the bounce
   std::uint32_t batch_count = 0;
   bool is_single = true;              ///< no sample has two rays in this bounce
   bool has_lit = false;               ///< diffuse surfaces not in `deferred` already have ambient and first light

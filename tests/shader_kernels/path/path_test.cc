@@ -248,6 +248,58 @@ TEST(PathPicture, ChangesWithTheFrameNumber) {
   EXPECT_NE(picture(1), picture(2));
 }
 
+/// Paths between a floor and a lamp, with two panes and a light source between them. The lower half of the picture
+/// shows the floor, and the upper half shows the lamp through the panes.
+PathView view_lamp_through_panes(const traces::Material& pane, GlassShadows shadows, float emission) {
+  traces::Scene scene = empty_scene();
+  const auto add_plane = [&](float y, const traces::Material& material) {
+    traces::add_object(scene, traces::make_quad("plane", {-50, y, 50}, {100, 0, 0}, {0, 0, -100}, 1),
+                       traces::add_material(scene, material));
+  };
+  add_plane(0, {.name = "floor"});
+  add_plane(2, pane);
+  add_plane(3, pane);
+  add_plane(4, {.name = "lamp", .emission = glm::vec3(emission)});
+  scene.lights.push_back({.position = {0, 3.5F, -4}, .intensity = glm::vec3(20)});
+  RenderConfig config = path_config(16, 8, 4);
+  config.glass_shadows = shadows;
+  return {scene, traces::look_at("eye", {0, 1, 0}, {0, 1, -1}, 1.5F), config, 64, {.roulette_start = 16}};
+}
+
+/// Mean light that the lamp's emission adds to pixels of the floor and of the lamp. Rows at the horizon are left out.
+struct AddedLight {
+  double floor = 0, lamp = 0;
+  AddedLight(const traces::Material& pane, GlassShadows shadows) {
+    constexpr float kEmission = 0.9F;
+    const PathView dark = view_lamp_through_panes(pane, shadows, 0),
+                   lit = view_lamp_through_panes(pane, shadows, kEmission);
+    for (std::size_t i = 0; i < 3 * 16; ++i) {
+      lamp += (lit.pixels[i].sum.x - dark.pixels[i].sum.x) / (64 * 3 * 16);
+      floor += (lit.pixels[5 * 16 + i].sum.x - dark.pixels[5 * 16 + i].sum.x) / (64 * 3 * 16);
+    }
+  }
+};
+
+TEST(PathEmission, CountsLampsOnceWhereShadowRaysPassGlass) {
+  const traces::Material glass{.name = "glass", .base_colour = glm::vec3(0.8F), .transmission = 1, .ior = 1};
+  const AddedLight tinted(glass, GlassShadows::kTinted), opaque(glass, GlassShadows::kOpaque);
+  EXPECT_NEAR(tinted.floor, 0, 1e-6);
+  EXPECT_GT(opaque.floor, 0.1);
+  // The mean of 0.9 (0.8 (1 - (1 - cosine)^5))^2 over these pixels: glass mirrors at grazing angles.
+  EXPECT_NEAR(tinted.lamp, 0.441, 0.01);
+  EXPECT_NEAR(opaque.lamp, tinted.lamp, 1e-6);
+}
+
+TEST(PathEmission, CountsLampsOnceThroughBlendedSurfaces) {
+  const traces::Material cloth{
+      .name = "cloth", .base_colour = glm::vec3(0.5F), .alpha = traces::Material::Alpha::kBlend, .opacity = 0.5F};
+  for (const GlassShadows shadows : {GlassShadows::kTinted, GlassShadows::kOpaque}) {
+    const AddedLight added(cloth, shadows);
+    EXPECT_NEAR(added.floor, 0, 1e-6);
+    EXPECT_NEAR(added.lamp, 0.9 * 0.5 * 0.5, 0.03);
+  }
+}
+
 class PathMean : public testing::TestWithParam<const char*> {};
 
 TEST_P(PathMean, IsThatOfAPathTracerWithEmbree) {
