@@ -179,17 +179,20 @@ class FetchStage {
   void count_prefetches() { l1_.count_prefetches(); }
   const L1Cache::PrefetchCounts& prefetch_counts() const { return l1_.prefetch_counts(); }
 
+  /// Makes a slot read a line for other slots too: its read counts as late if the first probe of any of them missed.
+  void lead_group(std::uint32_t slot, std::uint64_t others) {
+    if ((late_ & others) == 0) return;
+    late_ &= ~others;
+    late_ |= std::uint64_t{1} << slot;
+  }
   /// Gives the line that a slot has just read to other slots, which waited for it or were ready to probe for it.
   void share_line(std::uint64_t slot_mask) {
     ready_ &= ~slot_mask;
     served_ &= ~slot_mask;
-    stats_.l1_late += static_cast<std::uint64_t>(std::popcount(late_ & slot_mask));
-    late_ &= ~slot_mask;
   }
   /// Makes slots wait for the line on which another slot has just missed, without probes. Only for `reorder`.
   void share_miss(std::uint64_t slot_mask, Addr line, Wait wait) {
     ready_ &= ~slot_mask;
-    late_ |= slot_mask;
     if (wait == Wait::kMshr) {
       no_mshr_ |= slot_mask;
     } else {

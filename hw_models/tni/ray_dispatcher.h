@@ -77,7 +77,7 @@ class RayDispatcher {
 
  private:
   bool dispatch_ray(sim::Time now);
-  /// Takes a ray into the window. Throws InputError if the rays have no sort keys.
+  /// Takes a ray, which must have a sort key, into the window.
   bool take_into_window(sim::Time now);
   bool has_rays_in_window() const { return window_ && !window_->is_empty(); }
   /// True if a ray could be sent at time `at` if a TRV had room.

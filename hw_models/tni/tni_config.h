@@ -238,11 +238,13 @@ struct TrvConfig {
   /// Returns the parts of a traversal unit that is built for trees of one kind.
   std::vector<sim::UnitPart> parts(const TreeKind& tree) const;
   bool has_prefetch_queue() const { return prefetch == Prefetch::kStack || prefetch == Prefetch::kTreelet; }
-  /// Returns the size in bytes of a traversal unit's cache, input buffer, stacks and queue of prefetches.
+  /// Returns the size in bytes of a traversal unit's cache, input buffer, stacks and queue of prefetches. With gather,
+  /// the input buffer also holds the line for which each ray waits.
   std::uint64_t sram_bytes() const {
     constexpr std::uint64_t kLineNumberBytes = 4;
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries) +
-           (has_prefetch_queue() ? kPrefetchQueue * kLineNumberBytes : 0);
+           (has_prefetch_queue() ? kPrefetchQueue * kLineNumberBytes : 0) +
+           (gather == Gather::kOff ? 0 : rays * kLineNumberBytes);
   }
 };
 

@@ -367,6 +367,7 @@ std::uint64_t Trv::choose_group() {
     std::uint32_t size = 0;
     for (std::uint64_t rest = left; rest != 0 && size < config_.gather_width; rest &= rest - 1) {
       const std::uint32_t index = (inner_turn_ + static_cast<std::uint32_t>(std::countr_zero(rest))) % 64;
+      stats_.gather_compares += index != first;
       if (lines_[index] != lines_[first]) continue;
       group |= slot_bit(index);
       size += 1;
@@ -375,7 +376,6 @@ std::uint64_t Trv::choose_group() {
     if (size == config_.gather_width && full == 0) full = group, full_turn = first;
     left &= ~std::rotr(group, static_cast<int>(inner_turn_));
   }
-  stats_.gather_compares += static_cast<std::uint64_t>(std::popcount(ready));
   const bool is_full = full != 0 && (prefers_full || full == chosen);
   last_group_full_ = is_full;
   stats_.groups += 1;
@@ -393,6 +393,7 @@ Trv::CycleReason Trv::fetch_group(const Cycle& cycle) {
   if (features_.instances && enters_instance(slots_[leader], leader))
     return issue_transform(slots_[leader], leader, cycle.number);
   const VisitLine line = next_line<TrvCode::kAny>(slots_[leader], leader);
+  fetch_.lead_group(leader, others);
   const FetchStage::Wait wait = fetch_.read_line(leader, line.read.line, cycle.number);
   if (wait != FetchStage::Wait::kNothing) {
     fetch_.share_miss(others, line.read.line, wait);

@@ -164,7 +164,8 @@ class Trv {
         counter(NAMED(s.groups), "groups of rays served by one read of a line");
         counter(NAMED(s.full_groups), "of these, full groups");
         counter(NAMED(s.gathered), "rays of groups served without a probe of their own", "tni.ray_buffer_read");
-        counter(NAMED(s.gather_compares), "lines of waiting rays compared to form groups", "tni.order_compare");
+        counter(NAMED(s.gather_compares), "comparisons of two waiting rays' lines, to form groups",
+                "tni.order_compare");
       }
       StackStats::describe(s, counter);
       counter(NAMED(s.leaves), "leaves sent to the intersection unit", "tni.ray_route");

@@ -297,6 +297,7 @@ void run_frames(const JobOptions& options) {
   LiveRun live;
   Progress progress(options.watch ? "watch" : options.progress, options.quiet, &live);
   Inputs inputs = load_inputs(options, &progress);
+  if (!options.record.empty()) refuse_sorting(inputs.config, "--record");
   const std::unique_ptr<FrameSource> source = make_frames(inputs, plan, options.threads, &progress);
   FrameSource& frames = *source;
   live.set_config(inputs.config);

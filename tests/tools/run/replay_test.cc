@@ -58,6 +58,21 @@ class Replay : public ::testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(Replay, AndOtherRecordedWorkAreRefusedIfRaysAreSorted) {
+  const Words sort = {"--set", "tni.dispatcher.sort=origin_octant"};
+  const auto with_sort = [&](Words more) {
+    more.insert(more.end(), sort.begin(), sort.end());
+    return more;
+  };
+  const auto refused = [&](const Words& more) { return raywatt(small_run(at("no"), with_sort(more))); };
+  expect_refusal(refused({"--record", trace()}), {"--record: recorded work", "allowed: tni.dispatcher.sort=none"});
+  expect_refusal(refused({"--replicates", "2"}), {"--replicates: recorded work"});
+  EXPECT_FALSE(fs::exists(trace()));
+  run("run", {}, true);
+  expect_refusal(replay("no", sort), {"a.trace: recorded work", "allowed: tni.dispatcher.sort=none"});
+  EXPECT_FALSE(fs::exists(at("no")));
+}
+
 TEST_F(Replay, GivesTheReportOfTheRunForEveryFrameProgram) {
   const std::vector<Words> runs = {
       {},

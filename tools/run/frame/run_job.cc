@@ -26,9 +26,11 @@
 namespace tools {
 namespace {
 
-/// Returns an empty in-memory trace for the work of a frame. `requested_by`: option or verb in errors.
+/// Returns an empty in-memory trace for the work of a frame. `requested_by`: option, key or verb in errors. Throws
+/// InputError if the machine sorts rays.
 InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                    const kernels::FrameProgram& frame, const char* requested_by) {
+  refuse_sorting(inputs.config, requested_by);
   traces::TileScope scope{traces::links_of(inputs.image),
                           traces::counts_of(inputs.image),
                           0,
@@ -322,7 +324,8 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   std::optional<InMemoryTrace> kept;
   const bool sustains = inputs.config.thermal.minutes > 0 && !extras.reference;
   if (extras.replicates > 1 || sustains) {
-    kept.emplace(make_in_memory_trace(inputs, requirements, frame, extras.requested_by));
+    const char* by = extras.replicates > 1 ? extras.requested_by : "thermal.minutes";
+    kept.emplace(make_in_memory_trace(inputs, requirements, frame, by));
   }
   begin_part(inputs, requirements, extras);
   tiles.set_recorders(extras.trace, kept ? &*kept : nullptr);

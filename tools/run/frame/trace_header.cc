@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
@@ -226,6 +227,12 @@ void check_header(const Json& header) {
   }
 }
 
+void refuse_sorting(const RunConfig& config, std::string_view where) {
+  if (!config.gpu->tni.dispatcher.is_sorting()) return;
+  throw sim::InputError(
+      fmt::format("{}: recorded work has no keys by which rays are sorted; allowed: tni.dispatcher.sort=none", where));
+}
+
 void check_recorded(const Json& header, const std::string& file, const RunConfig& config) {
   const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
   const auto asked = fields_by_key(config);
@@ -244,6 +251,7 @@ void check_recorded(const Json& header, const std::string& file, const RunConfig
   }
   check_not_recorded(header, file, asked);
   check_resolution(header, file, config);
+  refuse_sorting(config, file);
 }
 
 RunConfig replay_config(const Json& header, const std::string& file, const JobOptions& options) {

@@ -35,7 +35,12 @@ void check_header(const traces::Json& header);
 /// the work. Then --set and --ideal are applied. Throws InputError for a field that would change the recorded work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
 
-/// Throws InputError with the name of the first field of `config` that would change the recorded work, if there is one.
+/// Throws InputError if the dispatcher sorts rays, because recorded work has no keys. `where`: what records or reads
+/// it.
+void refuse_sorting(const RunConfig& config, std::string_view where);
+
+/// Throws InputError with the name of the first field of `config` that would change the recorded work, if there is one,
+/// or if the machine cannot play recorded work.
 void check_recorded(const traces::Json& header, const std::string& file, const RunConfig& config);
 
 }  // namespace tools

@@ -64,7 +64,7 @@ constexpr auto kMaliCounters = std::to_array<MaliCounter>({
     {kG1, {"RT_RAY_INSTANCE", 435, "instances", "trv.transforms"}},
     {kG1, {"RT_RAY_INSTANCE_CULL", 436, "instances", "no counterpart: instances are not counted by result"}},
     {kG1, {"RT_RAY_TRI_CULL", 437, "tests", "no counterpart: boxes that a ray misses are not counted"}},
-    {kBoth, {"RT_OPAQUE_HIT + RT_NON_OPAQUE_HIT", 308, "tests", "ist.hits"}},
+    {kBoth, {"RT_OPAQUE_HIT + RT_NON_OPAQUE_HIT", 0, "tests", "ist.hits"}},
     {kBoth, {"RT_OPAQUE_HIT", 308, "tests", kNoOpacity}},
     {kBoth, {"RT_NON_OPAQUE_HIT", 309, "tests", kNoOpacity}},
     {kBoth, {"RT_TERM_FIRST_HIT", 310, "rays", "no counterpart: any-hit rays are not counted by result"}},

@@ -30,7 +30,7 @@ Values values_of(std::string_view gpu, const ReportFile& report) {
   return out;
 }
 
-/// Test inputs, made once: small runs on four kinds of machine.
+/// Test inputs, made once: small runs on five kinds of machine.
 class VendorCounters : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -39,6 +39,7 @@ class VendorCounters : public testing::Test {
     make_run("wide", {"--set", "bvh.width=4", "--set", "bvh.format=q8"});
     make_run("rau", {"--set", "tni.miss_handling=rau", "--set", "cores=1", "--set", "tni.trvs=1"});
     make_run("prefetch", {"--set", "tni.trv.prefetch=sibling", "--set", "tni.trv.l1.size=1 KiB"});
+    make_run("gather", {"--set", "tni.trv.gather=node", "--set", "tni.trv.l1.size=1 KiB"});
   }
   static void TearDownTestSuite() {
     delete folder;
@@ -56,7 +57,7 @@ class VendorCounters : public testing::Test {
 TempFolder* VendorCounters::folder = nullptr;
 
 TEST_F(VendorCounters, OfRunsObeyTheIdentitiesOfTheUnit) {
-  for (const char* run : {"base", "wide", "rau", "prefetch"}) {
+  for (const char* run : {"base", "wide", "rau", "prefetch", "gather"}) {
     SCOPED_TRACE(run);
     const ReportFile report = report_of(run);
     const auto of = [&](const char* unit, const char* name) {
@@ -80,6 +81,8 @@ TEST_F(VendorCounters, OfRunsObeyTheIdentitiesOfTheUnit) {
     const double lines =
         of("tni.trv", "l1_hits") + of("tni.trv", "rau_reads") + of("tni.ist", "l1_hits") + of("tni.ist", "rau_reads");
     EXPECT_GT(g1.at("RT_CACHE_READ_MISS"), 0);
+    EXPECT_GE(g1.at("RT_CACHE_READ_HIT"), 0);
+    EXPECT_GE(of("tni.trv", "l1_hits") + of("tni.trv", "rau_reads"), of("tni.trv", "l1_late"));
     EXPECT_EQ(g1.at("RT_CACHE_READ_HIT") + g1.at("RT_CACHE_READ_MISS"), lines);
     EXPECT_EQ(adreno.at("SP_RTU_L0_HITS") + adreno.at("SP_RTU_L0_MISSES") + adreno.at("SP_RTU_L0_HIT_ON_MISS"), lines);
     EXPECT_EQ(g1.at("BEATS_RD_RTU"), 4 * adreno.at("SP_RTU_BVH_FETCH_LATENCY_SAMPLES"));
@@ -114,8 +117,10 @@ TEST_F(VendorCounters, EvaluateFormulasAsWritten) {
 TEST_F(VendorCounters, HaveOneNameEachAndAFormulaOrAReason) {
   for (const std::string_view gpu : tools::pages::kVendorGpus) {
     std::set<std::string_view> names;
+    std::set<int> ids;
     for (const VendorCounter& counter : vendor_counters(gpu)) {
       EXPECT_TRUE(names.insert(counter.name).second) << counter.name;
+      EXPECT_TRUE(counter.id == 0 || ids.insert(counter.id).second) << counter.name;
       EXPECT_FALSE(counter.unit.empty() || counter.source.empty()) << counter.name;
     }
     EXPECT_GE(names.size(), 20U);

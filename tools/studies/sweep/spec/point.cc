@@ -126,7 +126,10 @@ namespace {
 
 /// True if points that differ only in the machine can share the recorded work: no picture, slices or representative
 /// frames, which each machine chooses.
-bool can_share(const Point& point) { return !point.image && point.slices == 0 && point.representative.empty(); }
+bool can_share(const Point& point, const RunConfig& config) {
+  const bool sorts = config.gpu->tni.dispatcher.is_sorting();  // a record has no keys of rays
+  return !point.image && point.slices == 0 && point.representative.empty() && !sorts;
+}
 
 }  // namespace
 
@@ -181,7 +184,7 @@ PointKeys::Key PointKeys::make_key(const Point& point, const ConfigVariants& app
   if (!point.representative.empty()) key.made_of["representative"] = point.representative;
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
-  if (can_share(point)) {
+  if (can_share(point, applied.config())) {
     work["function_hash"] = applied.hash(sim::Affects::kFunction);
     if (!point.tile_sampling.empty()) work["pilot"] = true;  // a record for sampling also has pilots
     key.stream = sim::sha256_hex(sim::json_line(work));
