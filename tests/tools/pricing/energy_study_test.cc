@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/full_size.h"
 #include "tests/tools/pricing/two_designs.h"
 
 // Tests of comparing two designs while values of the energy tables vary within their bands.
@@ -34,12 +35,12 @@ std::vector<std::string> sets_of(PricedRun& run, const EnergyDraw& draw) {
 }
 
 TEST_F(TwoDesigns, UnderADrawAreWhatTheirReportsSayUnderThatTable) {
-  constexpr std::uint64_t kDraws = 200;
+  const std::uint64_t draws = full_or<std::uint64_t>(200, 40);
   PricedRun of_a(a), of_b(b);
-  const std::vector<double> drawn_a = energy_by_draw_pj(of_a, "", kDraws),
-                            drawn_b = energy_by_draw_pj(of_b, "", kDraws);
-  const std::vector<double> tni = energy_by_draw_pj(of_a, "tni", kDraws);
-  for (std::uint64_t i = 0; i < kDraws; ++i) {
+  const std::vector<double> drawn_a = energy_by_draw_pj(of_a, "", draws),
+                            drawn_b = energy_by_draw_pj(of_b, "", draws);
+  const std::vector<double> tni = energy_by_draw_pj(of_a, "tni", draws);
+  for (std::uint64_t i = 0; i < draws; ++i) {
     const PricedRun again_a(a, {.sets = sets_of(of_a, {kEnergySeed, i})});
     const PricedRun again_b(b, {.sets = sets_of(of_b, {kEnergySeed, i})});
     const double brute = again_b.energy().total_pj.nominal / again_a.energy().total_pj.nominal;

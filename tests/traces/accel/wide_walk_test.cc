@@ -89,8 +89,8 @@ TEST(WideWalk, FindsTheHitsOfTheBinaryTree) {
     for (const Form& form : all_forms(true)) {
       SCOPED_TRACE(form.text());
       const MemoryImage image = build_memory_image(scene, form.config());
-      EXPECT_GT(expect_same_hits(binary, image, random_rays(3000)), 2U);
-      EXPECT_GT(expect_same_hits(binary, image, grid_rays(3000)), 2U);
+      EXPECT_GT(expect_same_hits(binary, image, random_rays(1500)), 2U);
+      EXPECT_GT(expect_same_hits(binary, image, grid_rays(1500)), 2U);
       expect_identities(image, random_rays(500));
       EXPECT_EQ(count_different_in_portable(image, grid_rays(300)), 0U);
     }

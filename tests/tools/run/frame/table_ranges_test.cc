@@ -12,6 +12,7 @@
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "tests/full_size.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
@@ -97,7 +98,7 @@ RunConfig draw_config(std::uint64_t seed) {
 
 TEST(TableRanges, AreNeverLeftWithoutAWarning) {
   std::size_t machines = 0, outside = 0;
-  for (std::uint64_t seed = 0; machines < 200; ++seed) {
+  for (std::uint64_t seed = 0; machines < ::test::full_or(200U, 100U); ++seed) {
     ASSERT_LT(seed, 2000U) << "too many are refused";
     RunConfig config;
     try {

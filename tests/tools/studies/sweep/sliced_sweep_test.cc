@@ -180,7 +180,7 @@ TEST_F(SlicedSweep, ASliceThatIsMissingOrDamagedIsComputedAlone) {
 
 TEST_F(SlicedSweep, ASliceWhoseWorkerCrashesFailsItsPointUntilItIsComputedAnew) {
   const std::string lines =
-      "schema: raywatt-sweep/1\nresolution: 256x256\nprogram: full:16\nsets: [render.tile=8]\nslices: 3\n";
+      "schema: raywatt-sweep/1\nresolution: 160x160\nprogram: full:16\nsets: [render.tile=8]\nslices: 3\n";
   Program program(sweep_run(folder, folder.write("sweep.yaml", lines), {"-j", "1"}));
   EXPECT_TRUE(wait_until([&] { return fs::exists(store.root() / "tmp") && !names_in(store.root() / "tmp").empty(); }));
   std::ifstream children("/proc/" + std::to_string(program.process()) + "/task/" + std::to_string(program.process()) +
