@@ -32,6 +32,7 @@ tools::JobOptions options_for(const std::filesystem::path& config) {
 tools::RunConfig random_machine(std::uint64_t seed, traces::InstanceLevels levels) {
   tools::RunConfig config = tools::load_run_config({});
   *config.gpu = hw::test::random_config(seed);
+  config.gpu->tni.dispatcher.sort = hw::RaySort::kNone;  // recorded work has no keys by which rays are sorted
   config.bvh.boxes = (seed & 1) != 0 ? traces::BoxRecords::kSingle : traces::BoxRecords::kPair;
   config.bvh.triangle_bytes = (seed & 2) != 0 ? 36 : 48;
   config.render.width = 48;
