@@ -14,7 +14,8 @@ namespace {
 TEST(TreeBuilders, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
   for (const Words& scene : std::vector<Words>{
-           {"--scene", "cornell"}, {"--scene", "forest", "--set", "bvh.instances=two_level,scene.triangles=20000"}}) {
+           {"--scene", "cornell"},
+           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=20000"}}) {
     std::string expected;
     for (const std::string builder : {"embree", "lbvh", "ploc"}) {
       SCOPED_TRACE(scene[1] + " " + builder);

@@ -41,7 +41,8 @@ std::filesystem::path made_by(const TempFolder& folder, Words words, const Words
 TEST(WideTrees, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
   for (const Words& scene : std::vector<Words>{
-           {"--scene", "cornell"}, {"--scene", "forest", "--set", "bvh.instances=two_level,scene.triangles=20000"}}) {
+           {"--scene", "cornell"},
+           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=20000"}}) {
     Words verify = {"verify"};
     verify.insert(verify.end(), scene.begin(), scene.end());
     const std::string expected = read_bytes(made_by(folder, verify, {}) / "image.png");

@@ -37,8 +37,7 @@ std::vector<std::string> sets_of(PricedRun& run, const EnergyDraw& draw) {
 TEST_F(TwoDesigns, UnderADrawAreWhatTheirReportsSayUnderThatTable) {
   const std::uint64_t draws = full_or<std::uint64_t>(200, 40);
   PricedRun of_a(a), of_b(b);
-  const std::vector<double> drawn_a = energy_by_draw_pj(of_a, "", draws),
-                            drawn_b = energy_by_draw_pj(of_b, "", draws);
+  const std::vector<double> drawn_a = energy_by_draw_pj(of_a, "", draws), drawn_b = energy_by_draw_pj(of_b, "", draws);
   const std::vector<double> tni = energy_by_draw_pj(of_a, "tni", draws);
   for (std::uint64_t i = 0; i < draws; ++i) {
     const PricedRun again_a(a, {.sets = sets_of(of_a, {kEnergySeed, i})});
