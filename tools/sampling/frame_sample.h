@@ -39,7 +39,7 @@ FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t 
 /// A stratified random sample of the frames of a sequence, and estimates of totals of the sequence from it.
 ///
 /// 1. The strata are clusters of frames. Two frames of each, half a cluster apart in time, are chosen, or the only one.
-/// 2. Totals are generalised regression estimates: each frame stands for an equal share of its cluster, and a ridge
+/// 2. Totals are generalised regression estimates: each frame represents an equal share of its cluster, and a ridge
 ///    regression on the counts corrects the difference between the counts of the sample and of the sequence.
 /// 3. The interval assumes the same variance of residuals in all clusters: the mean of the clusters' variances.
 /// 4. The estimate is linear in the observations. So one weight per frame serves every quantity, and sums of quantities
