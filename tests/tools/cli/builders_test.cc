@@ -15,12 +15,12 @@ TEST(TreeBuilders, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
   for (const Words& scene : std::vector<Words>{
            {"--scene", "cornell"},
-           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=20000"}}) {
+           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
     std::string expected;
     for (const std::string builder : {"embree", "lbvh", "ploc"}) {
       SCOPED_TRACE(scene[1] + " " + builder);
       const std::filesystem::path out = folder.path() / (scene[1] + builder);
-      Words words = {"verify", "--resolution", "64x32", "--quiet",
+      Words words = {"verify", "--resolution", "32x16", "--quiet",
                      "-o",     out.string(),   "--set", "bvh.builder=" + builder};
       words.insert(words.end(), scene.begin(), scene.end());
       const ProcessResult ending = raywatt(words);

@@ -31,7 +31,7 @@ std::string text_of(const Words& words) {
 std::filesystem::path made_by(const TempFolder& folder, Words words, const Words& more) {
   static int number = 0;
   const std::filesystem::path out = folder.path() / std::to_string(number++);
-  words.insert(words.end(), {"--resolution", "64x32", "--quiet", "-o", out.string()});
+  words.insert(words.end(), {"--resolution", "32x16", "--quiet", "-o", out.string()});
   words.insert(words.end(), more.begin(), more.end());
   const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -42,7 +42,7 @@ TEST(WideTrees, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
   for (const Words& scene : std::vector<Words>{
            {"--scene", "cornell"},
-           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=20000"}}) {
+           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
     Words verify = {"verify"};
     verify.insert(verify.end(), scene.begin(), scene.end());
     const std::string expected = read_bytes(made_by(folder, verify, {}) / "image.png");

@@ -225,8 +225,8 @@ TEST(ProgressBar, AppearsAfterTwoSecondsAndIsErasedByAnInterrupt) {
 
 TEST(ProgressBar, IsErasedBeforeTheTable) {
   const TempFolder folder;
-  // About four seconds of work on an idle host, longer than any built-in scene at its default size.
-  OnTerminal run({"run", "--scene", "chess", "--set", "scene.triangles=1500000", "--resolution", "64x32", "--threads",
+  // Longer than the two seconds after which the bar appears.
+  OnTerminal run({"run", "--scene", "chess", "--set", "scene.triangles=600000", "--resolution", "64x32", "--threads",
                   "1", "-o", (folder.path() / "out").string()});
   EXPECT_EQ(run.wait(), 0);
   const std::size_t bar = run.screen().find("building the tree ...");

@@ -51,7 +51,7 @@ TEST(MetricUncertainty, TheQuantileMeetsALimitWithItsProbability) {
 TEST(Probabilities, AreCalibratedOn200DrawnDesigns) {
   const TempFolder folder;
   constexpr std::size_t kPlays = 5, kFuture = 8;
-  const std::size_t designs = full_or(200U, 15U);
+  const std::size_t designs = full_or(200U, 10U);
   const double bound = full_or(0.05, 0.1);  // few designs are few draws of the tables
   const char* const kPath = "totals.power_w.nominal";
   double predicted = 0, frequency = 0, sure = 0, sure_met = 0;
