@@ -55,6 +55,4 @@ Json energy_json(const EnergyReport& energy) {
   return json;
 }
 
-std::string json_text(const Json& json) { return json_lines(json); }
-
 }  // namespace sim

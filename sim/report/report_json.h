@@ -1,6 +1,5 @@
 #pragma once
 #include <span>
-#include <string>
 
 #include "sim/io/json.h"
 #include "sim/report/energy.h"
@@ -19,9 +18,5 @@ Json units_json(std::span<const UnitReport> units);
 /// Returns an energy report as JSON, in mJ: {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock,
 /// leakage}, energy_by_event_mj{block{event}}}. Events have nominal values, all others bands.
 Json energy_json(const EnergyReport& energy);
-
-/// Returns the text of a report file: indented JSON with a final line end. Numbers have the fewest digits from which
-/// they can be parsed exactly, so equal reports have equal bytes.
-std::string json_text(const Json& json);
 
 }  // namespace sim

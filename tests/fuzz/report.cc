@@ -11,7 +11,7 @@ void compare_with(const tools::ReportFile& other, const tools::ReportFile& repor
   const std::vector<tools::Comparison> against = {tools::compare(other, report)};
   tools::comparison_warnings(both, against);
   tools::comparison_text(both, against);
-  sim::json_text(tools::comparison_json(both, against));
+  sim::json_lines(tools::comparison_json(both, against));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
-#include "sim/report/report_json.h"
+#include "sim/io/json.h"
 
 namespace fuzz {
 

@@ -1,5 +1,5 @@
 #include "tests/fuzz/common.h"
-#include "tools/studies/microbench/dram_stream.h"
+#include "tools/studies/microbench/benchmark.h"
 
 // Fuzz target: requests to a memory channel, as `raywatt microbench dram --stream FILE` reads them.
 

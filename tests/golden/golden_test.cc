@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/report/report_json.h"
+#include "sim/io/json.h"
 #include "tests/param_name.h"
 #include "tools/run/frame/run_job.h"
 
@@ -80,7 +80,7 @@ TEST_P(Golden, RunHasNotMovedByACounter) {
   const std::filesystem::path file =
       std::filesystem::path(RAYWATT_SOURCE_DIR) / "tests/golden" / (std::string(GetParam().name) + ".json");
   const Json now = measure(GetParam());
-  if (std::getenv("RAYWATT_ACCEPT") != nullptr) std::ofstream(file) << sim::json_text(now);
+  if (std::getenv("RAYWATT_ACCEPT") != nullptr) std::ofstream(file) << sim::json_lines(now);
   std::ifstream in(file);
   ASSERT_TRUE(in) << file << " is missing; make it with RAYWATT_ACCEPT=1";
   EXPECT_EQ(difference(sim::parse_json(in), now), "");

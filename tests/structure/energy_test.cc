@@ -10,7 +10,6 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/table_checks.h"
 #include "tools/run/frame/run_job.h"
 
 // Tests that the energy events which counters name are exactly those with values in the energy files.

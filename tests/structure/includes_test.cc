@@ -2,6 +2,7 @@
 #include <array>
 #include <optional>
 #include <regex>
+#include <string>
 #include <string_view>
 
 #include <gtest/gtest.h>
@@ -113,6 +114,59 @@ TEST(Files, MentionNoFolderOfAMachine) {
           << file.string() << ':' << number << ": " << line;
     }
   }
+}
+
+// Tests that all JSON input is parsed by one reader, which limits its nesting. Only that reader includes the JSON
+// library, because its templates took most of the compile time of tools/.
+
+TEST(Json, IsParsedByOneReaderAlone) {
+  for (const std::filesystem::path& file : source_files()) {
+    const std::string path = file.generic_string();
+    if (path.starts_with("tests/") || path == "sim/io/json.cc") continue;
+    const std::string code = split_code_and_comments(file).code;
+    for (const char* call : {"json::parse(", "Json::parse(", "json::accept(", "Json::accept(", "sax_parse("}) {
+      EXPECT_EQ(code.find(call), std::string::npos) << path << ": " << call << " is sim::parse_json (sim/io/json.h)";
+    }
+  }
+}
+
+TEST(Json, LibraryIsUsedByOneSourceAlone) {
+  std::size_t users = 0;
+  for (const std::filesystem::path& file : source_files()) {
+    const std::string path = file.generic_string();
+    if (path.starts_with("tests/")) continue;
+    if (split_code_and_comments(file).code.find("nlohmann") == std::string::npos) continue;
+    EXPECT_EQ(path, "sim/io/json.cc") << "JSON is sim::Json (sim/io/json.h)";
+    ++users;
+  }
+  EXPECT_EQ(users, 1U) << "the scan sees the source that uses it";
+}
+
+// Tests that suite and name of each test are a sentence in PascalCase, as CONTRIBUTING.md demands.
+
+TEST(TestNames, ArePascalCase) {
+  static const std::regex kTest(R"(^(?:TYPED_)?TEST(?:_[FP])?\((\w+), *(\w+)\))");
+  static const std::regex kPascal("[A-Z][A-Za-z0-9]*");
+  std::size_t tests = 0;
+  for (const std::filesystem::path& file : source_files()) {
+    for (const std::string& line : lines_of(file)) {
+      std::smatch found;
+      if (!std::regex_search(line, found, kTest)) continue;
+      ++tests;
+      for (const auto& name : {found[1], found[2]}) {
+        EXPECT_TRUE(std::regex_match(name.str(), kPascal)) << file.string() << ": " << name.str();
+      }
+    }
+  }
+  EXPECT_GT(tests, 1000U) << "the scan sees the tests";
+}
+
+constexpr std::size_t kMaxLines = 800;
+
+TEST(SourceFiles, HaveAtMostEightHundredLines) {
+  const std::vector<std::filesystem::path> files = source_files();
+  EXPECT_GT(files.size(), 500U) << "the scan finds the sources";
+  for (const std::filesystem::path& file : files) EXPECT_LE(lines_of(file).size(), kMaxLines) << file.string();
 }
 
 }  // namespace

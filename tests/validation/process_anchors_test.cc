@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/report/area.h"
+#include "sim/report/energy.h"
 #include "tests/validation/figures.h"
 #include "tools/run/frame/run_job.h"
 

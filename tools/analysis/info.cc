@@ -1,24 +1,231 @@
 #include "tools/analysis/info.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
+#include "sim/hash.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/analysis/tree_builders.h"
-#include "tools/analysis/tree_formats.h"
 #include "tools/run/frame/trace_header.h"
+#include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
+#include "traces/accel/bvh_tracer.h"
 #include "traces/accel/node_format.h"
 #include "traces/scene/info.h"
+#include "traces/walk.h"
 
 namespace tools {
 namespace {
 
 using sim::Json;
+using traces::BvhConfig, traces::MemoryImage, traces::NodeFormat;
+using traces::Hit, traces::Ray, traces::RayKind, traces::TreeBuilder;
+
+std::vector<Ray> camera_rays(const traces::Camera& camera) {
+  constexpr std::uint32_t kWidth = 128, kHeight = 64;
+  const float up = std::tan(camera.vertical_fov / 2), right = up * kWidth / kHeight;
+  std::vector<Ray> rays(std::size_t{kWidth} * kHeight);
+  for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    const float x = (static_cast<float>(i % kWidth) + 0.5F) / kWidth * 2 - 1;
+    const float y = 1 - (static_cast<float>(i / kWidth) + 0.5F) / kHeight * 2;
+    rays[i].origin = glm::vec3(camera.to_world[3]);
+    rays[i].direction = glm::normalize(glm::vec3(camera.to_world * glm::vec4(x * right, y * up, -1, 0)));
+  }
+  return rays;
+}
+
+/// Returns the normal of the triangle that was hit, on the side from which the ray came.
+glm::vec3 normal_at(const MemoryImage& image, const Ray& ray, const Hit& hit) {
+  const traces::TriangleRecord& t = image.triangles[hit.triangle_index()];
+  glm::vec3 normal = glm::cross(t.v1 - t.v0, t.v2 - t.v0);
+  if (image.has_two_levels()) {
+    const auto& m = image.instances[traces::instance_index_of(hit)].to_object;
+    normal = glm::vec3(m[0][0], m[0][1], m[0][2]) * normal.x + glm::vec3(m[1][0], m[1][1], m[1][2]) * normal.y +
+             glm::vec3(m[2][0], m[2][1], m[2][2]) * normal.z;
+  }
+  normal = glm::normalize(normal);
+  return glm::dot(normal, ray.direction) > 0 ? -normal : normal;
+}
+
+/// Returns a random point on the unit sphere, from points in a cube.
+glm::vec3 point_on_sphere(std::uint64_t seed) {
+  for (std::uint64_t i = 0;; i += 3) {
+    glm::vec3 point;
+    for (int a = 0; a < 3; ++a) {
+      point[a] = 2 * sim::hash_to_unit_float(sim::hash(seed, i + static_cast<std::uint64_t>(a))) - 1;
+    }
+    const float length = glm::length(point);
+    if (length <= 1 && length > 0.01F) return point / length;
+  }
+}
+
+/// Returns a ray from each hit, with directions distributed by the cosine to the normal.
+std::vector<Ray> diffuse_rays(const MemoryImage& image, const std::vector<Ray>& rays, const std::vector<Hit>& hits) {
+  std::vector<Ray> out;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!hits[i].is_hit()) continue;
+    Ray& ray = out.emplace_back();
+    ray.origin = rays[i].origin + hits[i].t * rays[i].direction;
+    ray.direction = normal_at(image, rays[i], hits[i]) * 1.0001F + point_on_sphere(i);
+    ray.t_min = 1e-4F * image.diagonal();
+  }
+  return out;
+}
+
+/// Traces rays and returns visits and triangle tests per ray.
+Json steps_per_ray(const traces::BvhTracer& tracer, const std::vector<Ray>& rays, RayKind kind,
+                   std::vector<Hit>& hits) {
+  hits.assign(rays.size(), {});
+  std::vector<std::uint32_t> words, begin;
+  traces::WalkSink sink{words, begin};
+  tracer.trace(rays, kind, hits, &sink);
+  const auto steps = traces::count_steps(words);
+  const auto count = static_cast<double>(std::max<std::size_t>(rays.size(), 1));
+  return {{"visits", static_cast<double>(steps.visits) / count}, {"tests", static_cast<double>(steps.tests) / count}};
+}
+
+Json builder_row(const traces::Scene& scene, const MemoryImage& image, const BvhConfig& config) {
+  const traces::BvhInfo info = traces::bvh_info(image, config);
+  Json row = {{"builder", names_of(config.builder)[static_cast<std::size_t>(config.builder)]},
+              {"nodes", info.nodes},
+              {"leaves", info.leaves},
+              {"depth", info.depth},
+              {"sah_cost", info.sah_cost}};
+  std::size_t rounds = 0;
+  for (const traces::BuildStatistics& tree : image.build_statistics) {
+    rounds = std::max(rounds, tree.ploc_clusters.size());
+  }
+  row["rounds"] = rounds;
+  if (scene.cameras.empty()) return row;
+  const traces::BvhTracer tracer(image);
+  std::vector<Hit> hits, ignored;
+  const std::vector<Ray> rays = camera_rays(scene.cameras.front());
+  row["primary"] = steps_per_ray(tracer, rays, RayKind::kPrimary, hits);
+  const std::vector<Ray> diffuse = diffuse_rays(image, rays, hits);
+  row["diffuse"] = steps_per_ray(tracer, diffuse, RayKind::kReflection, ignored);
+  row["shadow"] = steps_per_ray(tracer, diffuse, RayKind::kShadow, ignored);
+  return row;
+}
+
+/// Returns a JSON array with a row per value of bvh.builder: size and SAH cost of the tree, rounds of ploc, and visits
+/// and triangle tests per ray. Rays are 128 x 64 rays of the first camera, and a diffuse ray from each of their hits.
+/// `image` is the scene's image with `config`.
+Json tree_builders_json(const traces::Scene& scene, const MemoryImage& image, const BvhConfig& config) {
+  Json rows = Json::array();
+  for (const TreeBuilder builder : {TreeBuilder::kEmbree, TreeBuilder::kLbvh, TreeBuilder::kPloc}) {
+    BvhConfig c = config;
+    c.builder = builder;
+    rows.push_back(builder_row(scene, builder == config.builder ? image : traces::build_memory_image(scene, c), c));
+  }
+  return rows;
+}
+
+/// Formats the result of tree_builders_json() as a table with a row per builder.
+std::string tree_builders_text(const Json& builders) {
+  std::string text =
+      fmt::format("\n{:<10}{:>9} {:>9} {:>6} {:>7} {:>9} {:>16} {:>15} {:>14}\n", "builder", "nodes", "leaves", "depth",
+                  "rounds", "SAH cost", "visits: primary", "diffuse ray", "shadow ray");
+  const auto visits = [](const Json& row, const char* kind) {
+    return row.contains(kind) ? fmt::format("{:.2f}", row[kind]["visits"].get<double>()) : std::string("-");
+  };
+  for (const Json& row : builders) {
+    text += fmt::format("{:<10}{:>9} {:>9} {:>6} {:>7} {:>9.2f} {:>16} {:>15} {:>14}\n",
+                        row["builder"].get<std::string>(), row["nodes"].get<std::uint64_t>(),
+                        row["leaves"].get<std::uint64_t>(), row["depth"].get<std::uint64_t>(),
+                        row["rounds"].get<std::uint64_t>(), row["sah_cost"].get<double>(), visits(row, "primary"),
+                        visits(row, "diffuse"), visits(row, "shadow"));
+  }
+  return text;
+}
+
+struct Form {
+  std::uint32_t width;
+  NodeFormat format;
+};
+
+constexpr Form kForms[] = {{2, NodeFormat::kFp32},   {2, NodeFormat::kHybrid}, {4, NodeFormat::kFp32},
+                           {4, NodeFormat::kHybrid}, {4, NodeFormat::kQ8},     {6, NodeFormat::kFp32},
+                           {6, NodeFormat::kQ8},     {8, NodeFormat::kFp32},   {8, NodeFormat::kHybrid},
+                           {8, NodeFormat::kQ8},     {8, NodeFormat::kQ12},    {8, NodeFormat::kCw80}};
+
+/// Builds trees of one scene in several formats. Formats with equal leaves share a binary tree if there is one level.
+class FormatBuilder {
+ public:
+  explicit FormatBuilder(const traces::Scene& scene) : scene_(scene) {}
+
+  MemoryImage build(const BvhConfig& config) {
+    if (config.instances == traces::InstanceLevels::kTwoLevel) return traces::build_memory_image(scene_, config);
+    if (!binary_ || leaf_size_ != config.leaf_size) {
+      BvhConfig plain = config;
+      plain.width = 2;
+      plain.format = NodeFormat::kFp32;
+      plain.leaf = traces::LeafFormat::kTriangles;
+      binary_ = traces::build_memory_image(scene_, plain);
+      leaf_size_ = config.leaf_size;
+    }
+    return traces::reformat_tree(*binary_, config);
+  }
+
+ private:
+  const traces::Scene& scene_;
+  std::optional<MemoryImage> binary_;
+  std::uint32_t leaf_size_ = 0;
+};
+
+/// Returns size, shape and SAH cost of a scene's tree for each width and node format, as a JSON array. Other keys are
+/// those of `config`; a format that cannot store its leaves has smaller ones.
+Json tree_formats_json(const traces::Scene& scene, const BvhConfig& config) {
+  Json rows = Json::array();
+  FormatBuilder builder(scene);
+  for (const Form& form : kForms) {
+    BvhConfig c = config;
+    c.numbers = traces::BoxNumbers::kFp32;
+    c.boxes = traces::BoxRecords::kPair;
+    c.width = form.width;
+    c.format = form.format;
+    if (form.format == NodeFormat::kHybrid && c.instances == traces::InstanceLevels::kTwoLevel) continue;
+    if (traces::is_quantised(form.format)) c.triangle_bytes = 48;
+    c.leaf_size = std::min(c.leaf_size, c.most_leaf_triangles());
+    const traces::BvhInfo info = traces::bvh_info(builder.build(c));
+    rows.push_back({{"width", form.width},
+                    {"format", names_of(form.format)[static_cast<std::size_t>(form.format)]},
+                    {"nodes", info.nodes},
+                    {"mean_children", info.mean_children()},
+                    {"occupancy", info.occupancy()},
+                    {"leaves", info.leaves},
+                    {"triangles_per_leaf", info.triangles_per_leaf()},
+                    {"depth", info.depth},
+                    {"bytes_per_triangle", info.bytes_per_triangle()},
+                    {"sah_cost", info.sah_cost}});
+  }
+  return rows;
+}
+
+/// Formats the result of tree_formats_json() as a table with a row per format.
+std::string tree_formats_text(const Json& formats) {
+  std::string text = fmt::format("\n{:<18}{:>9} {:>9} {:>9} {:>11} {:>6} {:>15} {:>9}\n", "tree", "nodes", "children",
+                                 "occupancy", "tri. a leaf", "depth", "bytes a triangle", "SAH cost");
+  for (const Json& row : formats) {
+    text += fmt::format("{:<18}{:>9} {:>9.2f} {:>8.0f}% {:>11.2f} {:>6} {:>16.1f} {:>9.2f}\n",
+                        fmt::format("{} {}", row["width"].get<int>(), row["format"].get<std::string>()),
+                        row["nodes"].get<std::uint64_t>(), row["mean_children"].get<double>(),
+                        100 * row["occupancy"].get<double>(), row["triangles_per_leaf"].get<double>(),
+                        row["depth"].get<std::uint64_t>(), row["bytes_per_triangle"].get<double>(),
+                        row["sah_cost"].get<double>());
+  }
+  return text;
+}
 
 Json vector_json(const glm::vec4& v) { return {v.x, v.y, v.z}; }
 
@@ -116,7 +323,7 @@ std::string camera_text(const Json& camera) {
 
 }  // namespace
 
-Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const traces::BvhConfig& config,
+Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const BvhConfig& config,
                      const SceneCost& cost) {
   const traces::SceneInfo info = traces::scene_info(scene);
   const traces::BvhInfo tree = traces::bvh_info(image);

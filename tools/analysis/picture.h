@@ -1,5 +1,4 @@
 #pragma once
-
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -85,5 +84,9 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
 ///   `quads`: quads of 2 x 2 pixels that include the pixel, on the same scale; partially covered quads count
 std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, const traces::Camera& camera,
                                           const kernels::RenderConfig& render);
+
+/// Returns the mean FLIP error (Andersson et al. 2020, LDR) of a picture, from 0 (equal) to 1. Both pictures are linear
+/// RGB, clamped to [0, 1], with `width` pixels per row, seen at 67 pixels per degree.
+double mean_flip(std::span<const float> reference, std::span<const float> test, std::uint32_t width);
 
 }  // namespace tools

@@ -22,23 +22,21 @@
 #include "sim/config/config.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
+#include "sim/report/energy.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "sim/report/table_checks.h"
 #include "tools/analysis/picture.h"
-#include "tools/analysis/rate_report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
 #include "tools/noise/noise.h"
+#include "tools/run/frame/frame_rate.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/sustained.h"
-#include "tools/run/frame/table_warnings.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
-
-double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
 
 using sim::Json;
 
@@ -111,7 +109,7 @@ std::optional<double> starved_share(const FrameResult& run) {
 
 namespace {
 
-double share_of(std::uint64_t part, std::uint64_t whole) {
+double ratio_of(std::uint64_t part, std::uint64_t whole) {
   return static_cast<double>(part) / static_cast<double>(whole);
 }
 
@@ -128,7 +126,7 @@ Json sampling_json(const FrameResult& run) {
   Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
               {"correction", s.correction}, {"background", s.background}, {"traced_background", s.traced_background}};
   if (s.wanted > s.background) {
-    out["traced_ratio_without_background"] = share_of(s.traced - s.traced_background, s.wanted - s.background);
+    out["traced_ratio_without_background"] = ratio_of(s.traced - s.traced_background, s.wanted - s.background);
   }
   const bool is_subdivided = run.program.kind == kernels::ProgramSpec::Kind::kSupersample;
   if (is_subdivided) {
@@ -141,7 +139,7 @@ Json sampling_json(const FrameResult& run) {
   if (s.checked != 0) {
     out["checked"] = s.checked;
     out["passed"] = s.passed;
-    out["similar_ratio"] = share_of(s.passed, s.checked);
+    out["similar_ratio"] = ratio_of(s.passed, s.checked);
     if (s.rough != 0) out["rough"] = s.rough;
     out["failed"] = named_counts(names_of(kernels::Check{}), s.failed);
     out["first_failed"] = named_counts(names_of(kernels::Check{}), s.first_failed);
@@ -337,7 +335,6 @@ void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const R
 /// blocks are whole tiles.
 constexpr double kExcessWarningRatio = 1.5;
 
-double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
 double tni_energy_mj(const FrameResult& run) {
   return run.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
 }
@@ -385,9 +382,9 @@ Json interval_json(const Interval& i, double scale = 1) {
 }
 
 void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
-  const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
+  const double ms_per_cycle = run.time_ms() / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(run);  // time_ms() is exact; the conversion from cycles would round the time
+  time["estimate"] = run.time_ms();  // time_ms() is exact; the conversion from cycles would round the time
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);
@@ -440,16 +437,6 @@ Json sequence_json(const RepresentedFrames& r, const Json& frames) {
   return {{"first_frame", r.first}, {"cluster_of_frame", r.cluster_of}, {"clusters", std::move(clusters)}};
 }
 
-double ratio_of(std::uint64_t part, std::uint64_t whole) {
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
-
-Json perf_json(const FrameResult& run) {
-  const double ms = time_ms(run);
-  const auto rays = static_cast<double>(run.rays());
-  return {{"fps", 1000 * run.frames / ms}, {"mrays_per_s", rays / ms / 1000}};
-}
-
 Json kernels_json(const FrameResult& run) {
   Json out = Json::object();
   std::uint64_t all = 0;
@@ -483,38 +470,42 @@ Json denoise_json(const FrameResult& run, const DenoiseCost& cost) {
           {"time_ms", ms},
           {"dram_bytes", cost.dram_bytes},
           {"energy_mj", mj},
-          {"time_share", share(ms, time_ms(run))},
+          {"time_share", share(ms, run.time_ms())},
           {"dram_share", share(bytes, static_cast<double>(dram_bytes(run)))},
-          {"energy_share", share(mj, energy_mj(run))}};
+          {"energy_share", share(mj, run.energy_mj())}};
 }
 
-void add_relative_metrics(Json& totals, const ComparedResult& result) {
+/// Returns the members of totals that compare a run with its reference; none without a reference.
+Json comparison_members(const ComparedResult& result) {
+  Json members = Json::object();
+  if (result.reference == nullptr) return members;
   const FrameResult &run = result.run, &reference = *result.reference;
-  const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
-  const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
   const auto decibels = [](double squared_error) {
     const std::optional<double> psnr = psnr_db(squared_error);
     return psnr ? Json(*psnr) : Json(nullptr);
   };
-  totals["psnr_db"] = decibels(result.error.squared);
-  totals["identical"] = totals["psnr_db"].is_null();
-  if (result.worst_squared_error) totals["worst_psnr_db"] = decibels(*result.worst_squared_error);
-  if (result.error.change) totals["temporal_psnr_db"] = decibels(*result.error.change);
+  members["psnr_db"] = decibels(result.error.squared);
+  members["identical"] = members["psnr_db"].is_null();
+  if (result.worst_squared_error) members["worst_psnr_db"] = decibels(*result.worst_squared_error);
+  if (result.error.change) members["temporal_psnr_db"] = decibels(*result.error.change);
   const PerceivedError& perceived = result.error.perceived;
-  if (perceived.frames != 0) totals["flip"] = perceived.flip / perceived.frames;
-  if (perceived.changes != 0) totals["flicker"] = perceived.flicker / perceived.changes;
-  totals["reference"] = {{"cycles", reference.cycles},
-                         {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
-  totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
-                        {"traversal_steps", per(run.rendered.traversal_steps, reference.rendered.traversal_steps)},
-                        {"dram_bytes", per(dram_bytes(run), dram_bytes(reference))},
-                        {"tni_power", power(run, tni_energy_mj(run)) / power(reference, tni_energy_mj(reference))},
-                        {"tni_perf_per_watt", tni_energy_mj(reference) / tni_energy_mj(run)},
-                        {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
-                        {"rays", per(run.rays(), reference.rays())}};
+  if (perceived.frames != 0) members["flip"] = perceived.flip / perceived.frames;
+  if (perceived.changes != 0) members["flicker"] = perceived.flicker / perceived.changes;
+  members["reference"] = {{"cycles", reference.cycles},
+                          {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
+  const double tni_power = tni_energy_mj(run) / run.time_ms();
+  members["relative"] = {
+      {"speedup", ratio_of(reference.cycles, run.cycles)},
+      {"traversal_steps", ratio_of(run.rendered.traversal_steps, reference.rendered.traversal_steps)},
+      {"dram_bytes", ratio_of(dram_bytes(run), dram_bytes(reference))},
+      {"tni_power", tni_power / (tni_energy_mj(reference) / reference.time_ms())},
+      {"tni_perf_per_watt", tni_energy_mj(reference) / tni_energy_mj(run)},
+      {"gpu_perf_per_watt", reference.energy_mj() / run.energy_mj()},
+      {"rays", ratio_of(run.rays(), reference.rays())}};
+  return members;
 }
 
-Json host_json(const ReportInput& report) {
+Json host_member(const ReportInput& report) {
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);
   const ComparedResult& result = report.result;
@@ -545,7 +536,7 @@ Json host_json(const ReportInput& report) {
   }
   if (result.run.represented) host["counting_s"] = result.run.represented->counting_seconds;
   if (is_sliced) host["slices_s"] = sliced->seconds;
-  return host;
+  return {{"host", std::move(host)}};
 }
 
 void add_sustained(Json& totals, const Sustained& s) {
@@ -556,47 +547,67 @@ void add_sustained(Json& totals, const Sustained& s) {
                          {"hottest_die_c", s.hottest.die}, {"hottest_body_c", s.hottest.body}};
 }
 
-Json warnings_json(const Inputs& inputs, const FrameResult& run) {
-  std::vector<std::string> lines = inputs.warnings;
-  add_warnings(lines, run_warnings(inputs.config, run.units, run.sampled));
-  if (!run.sustained.empty()) add_warnings(lines, limit_warnings(run.sustained, sustain_setup(inputs.config)));
-  return lines;
+Json work_members(const ComparedResult& result) {
+  const FrameResult& run = result.run;
+  return {{"cycles", run.cycles},
+          {"time_ms", run.time_ms()},
+          {"rays", rays_json(run)},
+          {"traced_ratio", ratio_of(run.rendered.sampling.traced, run.rendered.sampling.wanted)},
+          {"sampling", sampling_json(run)},
+          {"traversal_steps", run.rendered.traversal_steps},
+          {"dram_bytes", dram_bytes(run)},
+          {"dram_bytes_by_client", dram_clients_json(run)}};
 }
+
+Json energy_members(const ComparedResult& result) {
+  const FrameResult& run = result.run;
+  const auto rays = static_cast<double>(run.rays());
+  Json members = energy_totals_json(run.energy, {run.time_ms(), rays, static_cast<double>(run.frames)});
+  Json perf = {{"fps", 1000 * run.frames / run.time_ms()}, {"mrays_per_s", rays / run.time_ms() / 1000}};
+  perf.update(members["perf"]);
+  members["perf"] = std::move(perf);
+  return members;
+}
+
+Json time_members(const ComparedResult& result) {
+  const FrameResult& run = result.run;
+  const Utilisation used = utilisation_of(run.units);
+  const TopDown view = top_down(run.units, *run.machine);
+  const std::vector<Estimate> estimates = estimate_speedups(view.gpu);
+  Json bottleneck = {{"named", largest_speedup(estimates).resource}};
+  for (const Estimate& e : estimates) bottleneck["estimated_speedup"][e.resource] = e.speedup;
+  return {{"utilisation", {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}}},
+          {"top_down", top_down_json(view)},
+          {"limiter", limiter_text(estimates)},
+          {"bottleneck", std::move(bottleneck)},
+          {"kernels", kernels_json(run)}};
+}
+
+/// Returns the members of totals that only some kinds of runs have.
+Json members_of_mode(const ComparedResult& result) {
+  const FrameResult& run = result.run;
+  Json members = Json::object();
+  if (run.sampled) members["sampled"] = sampled_json(run);
+  if (run.represented) members["representative"] = representative_json(run);
+  if (run.sliced) members["sliced"] = sliced_json(run);
+  if (run.denoise) members["denoise"] = denoise_json(run, *run.denoise);
+  return members;
+}
+
+Json rate_members(const ComparedResult& result) {
+  return result.rate != nullptr ? frame_rate_json(result.run, *result.rate) : Json::object();
+}
+
+/// The members of totals in their order, except replicates. Each function returns some of them.
+constexpr std::array kTotals = {work_members,    energy_members,     time_members,
+                                members_of_mode, comparison_members, rate_members};
 
 }  // namespace
 
 Json totals_json(const ComparedResult& result) {
-  const FrameResult& run = result.run;
-  Json energy =
-      energy_totals_json(run.energy, {time_ms(run), static_cast<double>(run.rays()), static_cast<double>(run.frames)});
-  Json perf = perf_json(run);
-  perf.update(energy["perf"]);
-  energy["perf"] = std::move(perf);
-  const Utilisation used = utilisation_of(run.units);
-  Json totals = {{"cycles", run.cycles},
-                 {"time_ms", time_ms(run)},
-                 {"rays", rays_json(run)},
-                 {"traced_ratio", ratio_of(run.rendered.sampling.traced, run.rendered.sampling.wanted)},
-                 {"sampling", sampling_json(run)},
-                 {"traversal_steps", run.rendered.traversal_steps},
-                 {"dram_bytes", dram_bytes(run)},
-                 {"dram_bytes_by_client", dram_clients_json(run)}};
-  totals.update(energy);
-  totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
-  const TopDown view = top_down(run.units, *run.machine);
-  totals["top_down"] = top_down_json(view);
-  const std::vector<Estimate> estimates = estimate_speedups(view.gpu);
-  totals["limiter"] = limiter_text(estimates);
-  totals["bottleneck"] = {{"named", largest_speedup(estimates).resource}};
-  for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
-  totals["kernels"] = kernels_json(run);
-  if (run.sampled) totals["sampled"] = sampled_json(run);
-  if (run.represented) totals["representative"] = representative_json(run);
-  if (run.sliced) totals["sliced"] = sliced_json(run);
-  if (run.denoise) totals["denoise"] = denoise_json(run, *run.denoise);
-  if (result.reference != nullptr) add_relative_metrics(totals, result);
-  if (result.rate != nullptr) totals.update(frame_rate_json(run, *result.rate));
-  if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
+  Json totals = Json::object();
+  for (const auto& members : kTotals) totals.update(members(result));
+  if (!result.run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;
 }
 
@@ -621,40 +632,65 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
           {"argv", options.argv}};
 }
 
-Json report_json(const ReportInput& report) {
+namespace {
+
+Json input_members(const ReportInput& report) {
   const Inputs& inputs = report.inputs;
   const FrameResult& run = report.result.run;
-  const std::optional<TargetRate> rate = target_rate(run, report.frames, inputs.config);
+  std::vector<std::string> lines = inputs.warnings;
+  add_warnings(lines, run_warnings(inputs.config, run.units, run.sampled));
+  if (!run.sustained.empty()) add_warnings(lines, limit_warnings(run.sustained, sustain_setup(inputs.config)));
+  return {{"schema", "raywatt-report/1"},
+          {"partial", report.partial},
+          {"program", run.program.name()},
+          {"resolution", {inputs.config.render.width, inputs.config.render.height}},
+          {"config", sim::config_json(inputs.config)},
+          {"scene",
+           {{"name", inputs.scene.name},
+            {"triangles", inputs.scene.triangles},
+            {"stored_triangles", inputs.stored_triangles},
+            {"memory_bytes", inputs.image.layout.end},
+            {"instances", inputs.scene.instances},
+            {"lights", inputs.scene.lights}}},
+          {"warnings", lines},
+          {"provenance", provenance_json(inputs, report.options)}};
+}
+
+Json totals_member(const ReportInput& report) {
+  const RunConfig& config = report.inputs.config;
+  const FrameResult& run = report.result.run;
   ComparedResult result = report.result;
+  const std::optional<TargetRate> rate = target_rate(run, report.frames, config);
   if (rate) result.rate = &*rate;
   Json totals = totals_json(result);
-  add_area(totals, run.units, inputs.config);
-  if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(inputs.config)));
-  totals["extrapolated"] = technology_table_warnings(inputs.config, run.units).size();
-  Json out = {{"schema", "raywatt-report/1"},
-              {"partial", report.partial},
-              {"program", run.program.name()},
-              {"resolution", {inputs.config.render.width, inputs.config.render.height}},
-              {"config", Json(sim::config_json(inputs.config))},
-              {"scene",
-               {{"name", inputs.scene.name},
-                {"triangles", inputs.scene.triangles},
-                {"stored_triangles", inputs.stored_triangles},
-                {"memory_bytes", inputs.image.layout.end},
-                {"instances", inputs.scene.instances},
-                {"lights", inputs.scene.lights}}},
-              {"warnings", warnings_json(inputs, run)},
-              {"provenance", provenance_json(inputs, report.options)},
-              {"totals", std::move(totals)},
-              {"frames", report.frames},
-              {"units", sim::units_json(run.units)}};
-  if (run.represented) out["sequence"] = sequence_json(*run.represented, report.frames);
-  if (run.sampled || run.represented) {
-    Json& intervals = out["sampled_counters"] = Json::object();
-    const auto& counters = run.sampled ? run.sampled->counters : run.represented->counters;
-    for (const auto& [path, interval] : counters) intervals[path] = interval_json(interval);
+  add_area(totals, run.units, config);
+  if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(config)));
+  totals["extrapolated"] = technology_table_warnings(config, run.units).size();
+  return {{"totals", std::move(totals)}};
+}
+
+/// Returns the frames and units of a report; if its totals are estimates, also the sequence of frames, and counters
+/// with intervals.
+Json part_members(const ReportInput& report) {
+  const FrameResult& run = report.result.run;
+  Json members = {{"frames", report.frames}, {"units", sim::units_json(run.units)}};
+  if (run.represented) members["sequence"] = sequence_json(*run.represented, report.frames);
+  if (!run.sampled && !run.represented) return members;
+  Json& intervals = members["sampled_counters"] = Json::object();
+  for (const auto& [path, interval] : run.sampled ? run.sampled->counters : run.represented->counters) {
+    intervals[path] = interval_json(interval);
   }
-  out["host"] = host_json(report);
+  return members;
+}
+
+/// The members of report.json in their order. Each function returns some of them.
+constexpr std::array kReport = {input_members, totals_member, part_members, host_member};
+
+}  // namespace
+
+Json report_json(const ReportInput& report) {
+  Json out = Json::object();
+  for (const auto& members : kReport) out.update(members(report));
   return out;
 }
 

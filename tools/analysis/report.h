@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sim/io/json.h"
-#include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
 #include "tools/analysis/picture.h"
@@ -80,9 +79,6 @@ std::optional<double> kernel_busy_share(const FrameResult& run, KernelGroup grou
 
 /// Returns the share of time in which a core's T&I unit has no rays while its shader core runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& run);
-
-/// Returns the simulated time of a run in milliseconds.
-double time_ms(const FrameResult& run);
 
 /// Returns mean, deviation and 95 % interval of a metric from its values in all replicates of a run.
 sim::Json statistics_json(const std::vector<double>& values);

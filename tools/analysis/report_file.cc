@@ -349,4 +349,9 @@ std::vector<std::string> report_path_group(std::string_view text, std::span<cons
   return m.group;
 }
 
+bool denotes_report_path(std::string_view text, std::span<const std::string> paths) {
+  const PathCandidates m(text, paths);
+  return !m.one.empty() || !m.several.empty() || !m.group.empty();
+}
+
 }  // namespace tools

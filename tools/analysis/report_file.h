@@ -84,4 +84,7 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
 /// unit_sums(). Returns none if nothing matches; throws InputError if `text` is ambiguous.
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths);
 
+/// True if `text` denotes a report path, several, or a group of them.
+bool denotes_report_path(std::string_view text, std::span<const std::string> paths);
+
 }  // namespace tools

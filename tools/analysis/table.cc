@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "sim/io/json.h"
-#include "tools/analysis/rate_report.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
+#include "tools/run/frame/frame_rate.h"
 
 namespace tools {
 

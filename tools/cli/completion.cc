@@ -22,7 +22,7 @@
 #include "tools/host/paths.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/energy/show.h"
+#include "tools/studies/energy/energy.h"
 #include "tools/studies/reproduce/plan.h"
 #include "traces/scenes/builtin.h"
 

@@ -1,3 +1,5 @@
+#include "tools/studies/energy/energy.h"
+
 #include <filesystem>
 #include <memory>
 
@@ -5,13 +7,10 @@
 #include <fmt/format.h>
 
 #include "sim/io/json.h"
-#include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/progress.h"
 #include "tools/studies/dvfs/dvfs.h"
-#include "tools/studies/energy/price.h"
-#include "tools/studies/energy/show.h"
 #include "tools/studies/sustain/sustain.h"
 
 namespace tools {
@@ -97,7 +96,7 @@ void add_dvfs_command(CLI::App& app) {
     Progress progress(options->job.progress, options->job.quiet);
     const DvfsCurve curve = dvfs_curve(*options, &progress);
     progress.finish("done");
-    fmt::print("{}", *json ? sim::json_text(dvfs_json(curve)) : dvfs_text(curve));
+    fmt::print("{}", *json ? sim::json_lines(dvfs_json(curve)) : dvfs_text(curve));
   });
 }
 
@@ -124,7 +123,7 @@ void add_sustain_command(CLI::App& app) {
     Progress progress(options->job.progress, options->job.quiet);
     const SustainStudy study = sustain_study(*options, &progress);
     progress.finish("done");
-    fmt::print("{}", *json ? sim::json_text(sustain_json(study)) : sustain_text(study));
+    fmt::print("{}", *json ? sim::json_lines(sustain_json(study)) : sustain_text(study));
   });
 }
 

@@ -9,7 +9,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/io/printable.h"
 #include "tools/host/standard_streams.h"
-#include "tools/run/frame/table_warnings.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

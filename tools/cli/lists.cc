@@ -19,7 +19,6 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/info.h"
 #include "tools/cli/job_options.h"
@@ -128,7 +127,7 @@ void add_config_command(CLI::App& app) {
   });
   CLI::App* schema = verb->add_subcommand("schema", "Print a JSON Schema of configuration files");
   schema->footer("Example: raywatt config schema > schema.json");
-  schema->callback([] { fmt::print("{}", sim::json_text(sim::config_schema<RunConfig>())); });
+  schema->callback([] { fmt::print("{}", sim::json_lines(sim::config_schema<RunConfig>())); });
   CLI::App* manual = verb->add_subcommand(
       "manual", "Print every key: value in sgrt-2016, unit, range, what it affects, meaning (Markdown)");
   manual->footer("Example: raywatt config manual > manual.md");
@@ -239,7 +238,7 @@ void print_scene(const InfoOptions& options) {
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
   const sim::Json info = scene_info_json(scene, image, config.bvh, cost);
-  fmt::print("{}", options.json ? sim::json_text(info) : scene_info_text(info, options.cameras));
+  fmt::print("{}", options.json ? sim::json_lines(info) : scene_info_text(info, options.cameras));
   print_warnings(scene);
 }
 

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "sim/report/report_json.h"
+#include "sim/io/json.h"
 #include "tools/analysis/info.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
@@ -146,7 +146,7 @@ void add_info(CLI::App& group) {
   verb->footer("Example: raywatt trace info chess.trace --json");
   verb->callback([=] {
     const sim::Json info = trace_info(traces::TraceReader(*file));
-    fmt::print("{}", *json ? sim::json_text(info) : trace_info_text(info));
+    fmt::print("{}", *json ? sim::json_lines(info) : trace_info_text(info));
   });
 }
 

@@ -8,14 +8,13 @@
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
 #include "tools/host/progress.h"
 #include "tools/host/standard_streams.h"
-#include "tools/pricing/rated_report.h"
+#include "tools/pricing/priced_run.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/studies/baseline/baseline.h"
 #include "tools/studies/bench/bench.h"
@@ -181,7 +180,7 @@ void run_bench(const BenchOptions& options, bool json) {
     check_comparable(out, other, options.against);
     compare_bench(out, other);
   }
-  fmt::print("{}", json ? sim::json_text(out) : bench_table(out));
+  fmt::print("{}", json ? sim::json_lines(out) : bench_table(out));
 }
 
 }  // namespace
@@ -337,7 +336,7 @@ void compare_run_sets(const CompareOptions& options, std::vector<RunSet> sets) {
   std::vector<SetComparison> against;
   for (std::size_t i = 1; i < sets.size(); ++i) against.push_back(compare_sets(sets.front(), sets[i], options.metrics));
   print_warnings(set_comparison_warnings(sets, against));
-  fmt::print("{}", options.json ? sim::json_text(set_comparison_json(sets, against))
+  fmt::print("{}", options.json ? sim::json_lines(set_comparison_json(sets, against))
                                 : to_terminal_encoding(set_comparison_text(sets, against)));
 }
 
@@ -360,7 +359,7 @@ void run_comparison(const CompareOptions& options) {
   std::vector<Comparison> against;
   for (std::size_t i = 1; i < reports.size(); ++i) against.push_back(compare(reports.front(), reports[i]));
   print_warnings(comparison_warnings(reports, against));
-  fmt::print("{}", options.json ? sim::json_text(comparison_json(reports, against))
+  fmt::print("{}", options.json ? sim::json_lines(comparison_json(reports, against))
                                 : to_terminal_encoding(comparison_text(reports, against)));
 }
 
@@ -513,7 +512,7 @@ void add_bottleneck_command(CLI::App& app) {
     Progress progress(options->progress, options->quiet);
     const Bottleneck b = find_bottleneck(*options, &progress);
     progress.finish("done");
-    fmt::print("{}", *json ? sim::json_text(bottleneck_json(b)) : to_terminal_encoding(bottleneck_text(b)));
+    fmt::print("{}", *json ? sim::json_lines(bottleneck_json(b)) : to_terminal_encoding(bottleneck_text(b)));
   });
 }
 

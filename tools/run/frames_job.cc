@@ -24,7 +24,6 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/energy.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/unit_report.h"
 #include "tools/analysis/picture.h"
@@ -354,7 +353,7 @@ void run_frames(const JobOptions& options) {
     print_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
     return result.finished_part_text(inputs.frames());
   });
-  if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
+  if (options.json) return fmt::print("{}", sim::json_lines(json["totals"]));
   if (options.quiet) return;
   print_results(json, folder.target(), {has_picture, timeline.tile_selection().has_value(), frames.has_reference()});
 }

@@ -25,7 +25,6 @@
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/run/frame/table_warnings.h"
 #include "tools/run/jobs.h"
 #include "tools/run/run.h"
 
@@ -152,13 +151,13 @@ void run_rays(const JobOptions& options) {
     progress.finish(json["partial"].get<bool>() ? "interrupted" : "done");
     json["host"] = {
         {"wall_s", sim::seconds_since(begin)}, {"load_s", inputs.load_seconds}, {"peak_rss_mb", peak_rss_mib()}};
-    sim::write_file_atomically(open() / "report.json", sim::json_text(json));
+    sim::write_file_atomically(open() / "report.json", sim::json_lines(json));
     sim::write_file_atomically(open() / "report.txt", rays_table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
     print_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
     return fmt::format("{} of {} rays", machine.ray_count(), list.rays.size());
   });
-  if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
+  if (options.json) return fmt::print("{}", sim::json_lines(json["totals"]));
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", rays_table(json), (folder.target() / "report.json").string());
 }

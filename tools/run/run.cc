@@ -11,7 +11,6 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
-#include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
@@ -308,7 +307,7 @@ void print_warnings(const sim::Json& report, std::size_t already_printed) {
 
 void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
                   const RunResult& result) {
-  sim::write_file_atomically(folder / "report.json", sim::json_text(json));
+  sim::write_file_atomically(folder / "report.json", sim::json_lines(json));
   sim::write_file_atomically(folder / "report.txt", report_table(json));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
   if (!result.intervals.empty()) {
@@ -329,7 +328,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   config.programs = reference_programs(config.programs);
   json["config"] = sim::config_json(config);
   json["provenance"]["config_hash"] = sim::config_hash(config);
-  sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
+  sim::write_file_atomically(folder / kReferenceReport, sim::json_lines(json));
   if (!result.reference_tiles.frames.empty())
     sim::write_file_atomically(folder / kReferenceTiles, tiles_text(result.reference_tiles));
 }

@@ -5,7 +5,6 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
-#include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/host/process.h"
@@ -123,7 +122,7 @@ int verify_frames(const JobOptions& options) {
     json.update(comparison_json(done.counts(), done.mean_squared_error()));
     json["frames"] = done.frames();
     json["provenance"] = provenance_json(inputs, options);
-    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    sim::write_file_atomically(open() / "verify.json", sim::json_lines(json));
     return fmt::format("{} of {} frames", done.frames().size(), inputs.frames());
   });
   const traces::VerifyCounts& counts = done.counts();
@@ -156,7 +155,7 @@ int verify_rays(const JobOptions& options) {
     json.update(counts_json(counts));
     json["provenance"] = provenance_json(inputs, options);
     json["provenance"]["rays_sha256"] = list.sha256;
-    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    sim::write_file_atomically(open() / "verify.json", sim::json_lines(json));
     return std::string("all rays");
   });
   if (!options.quiet) {

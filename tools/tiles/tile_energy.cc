@@ -16,8 +16,8 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/unit_kinds.h"
 #include "hw_models/memory/messages.h"
+#include "sim/io/json.h"
 #include "sim/report/energy.h"
-#include "sim/report/report_json.h"
 #include "tools/analysis/units.h"
 #include "tools/run/frame/power.h"
 

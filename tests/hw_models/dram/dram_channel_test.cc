@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
 namespace hw::test {
@@ -244,6 +245,211 @@ TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << "seed " << seed;
     }
+  }
+}
+
+TEST(IdealChannel, ReadsAndWritesInTheCycleOfARequestsArrival) {
+  DramHarness b(DramHarness::quiet(), 1, 64, true);
+  b.requester().send(0, 0);
+  b.requester().send(64, 5, true);
+  b.requester().send(128, 9, true);
+  b.requester().send(192, 20);
+  const std::uint64_t cycles = b.run();
+  EXPECT_EQ(b.why(DramCycleReason::kReading), 2U);
+  EXPECT_EQ(b.why(DramCycleReason::kWriting), 2U);
+  EXPECT_EQ(b.why(DramCycleReason::kIdle), cycles - 4);
+}
+
+TEST(IdealChannel, WaitsForAFullPort) {
+  constexpr std::uint64_t kLongAfter = 1'000;
+  DramHarness b(DramHarness::quiet(), 1, 1, true);
+  b.requester().pop_every = kLongAfter;
+  b.requester().send(0);
+  b.requester().send(64);
+  b.run();
+  EXPECT_EQ(b.why(DramCycleReason::kReading), 2U);
+  EXPECT_GT(b.why(DramCycleReason::kReturnsFull), kLongAfter - 10);
+  EXPECT_LE(b.why(DramCycleReason::kReturnsFull), kLongAfter);
+  EXPECT_EQ(b.requester().script[1].answered, 2 * kLongAfter);
+}
+
+// Tests of reads whose data wait in the channel because their port is full.
+
+constexpr std::uint64_t kLongAfter = 10'000;
+
+/// Simulates hits of one row through a port with room for one answer. The requester takes one every `kLongAfter`
+/// cycles.
+struct SlowPort : DramHarness {
+  explicit SlowPort(std::uint32_t reads, DramConfig c = quiet()) : DramHarness(c, 1, 1) {
+    requester().pop_every = kLongAfter;
+    for (Addr i = 0; i < reads; ++i) requester().send(64 * i);
+    run();
+  }
+};
+
+/// Reads in flight last RL + tDQSCK + a line = 28 + 3 + 16 cycles, which is 2 lines. The channel has room for twice (2
+/// + 4) lines.
+constexpr std::uint32_t kRoom = 2 * (2 + 4);
+
+TEST(DramReturns, HaveRoomForTwiceWhatIsInFlightAndFourMore) {
+  SlowPort s(1 + kRoom);
+  EXPECT_LT(s.stats().read_latency_max, kLongAfter) << "one in the port, the others in the channel";
+}
+
+TEST(DramReturns, StopReadsThatFindNoRoom) {
+  SlowPort s(1 + kRoom + 1);
+  EXPECT_GT(s.stats().read_latency_max, kLongAfter - 100);
+  EXPECT_GT(s.why(DramCycleReason::kReturnsFull), kLongAfter - 500);
+}
+
+TEST(DramReturns, HaveMoreRoomForALongerFabric) {
+  DramConfig c = DramHarness::quiet();
+  c.fabric = {17 * c.timing.ck.time};  // 64 cycles in flight: 4 lines
+  SlowPort enough(1 + 2 * (4 + 4), c);
+  EXPECT_LT(enough.stats().read_latency_max, kLongAfter);
+  SlowPort one_more(1 + 2 * (4 + 4) + 1, c);
+  EXPECT_GT(one_more.stats().read_latency_max, kLongAfter - 100);
+}
+
+// Tests of refreshes of banks, pairs of banks and whole ranks, and of power-down.
+
+TEST(AllBankRefresh, KeepsEveryBankBusy) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.refresh = RefreshKind::kAllBank;
+    d.timing.refi_ab = 6246;
+  });
+  Script s(c);
+  s.read(3, 0, 6246);
+  s.read(5, 0, 12'400);  // leaves a row open until the next refresh
+  s.read(6, 0, 2 * 6246);
+  s.go();
+  const auto closed = static_cast<std::uint64_t>(kForm.closed_bank_latency());
+  EXPECT_EQ(s.done(0), 6246 - 1 + kT.rfc_ab + closed) << "a player's cycles begin one later";
+  EXPECT_EQ(s.done(2), 2 * 6246 - 1 + kT.rp_ab + kT.rfc_ab + closed);
+  EXPECT_EQ(s.result.stats.refreshes_all, 2U);
+  EXPECT_EQ(s.result.stats.refreshes, 0U);
+  EXPECT_GT(s.why(DramCycleReason::kRefresh), std::uint64_t{2} * kT.rfc_ab - 20);
+}
+
+TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
+  DramConfig c;
+  c.organisation.banks = 16;
+  c.organisation.bank_groups = 4;
+  c.organisation.refresh_banks = 2;
+  const DramDevice paired(c);
+  EXPECT_EQ(paired.refresh_command_bank_mask(), 0b0011'0011'0011'0011U);
+  EXPECT_EQ(paired.refresh_bank_mask_of(5), 1U << 5 | 1U << 7);
+  c.organisation.bank_groups = 1;
+  const DramDevice halves(c);
+  EXPECT_EQ(halves.refresh_command_bank_mask(), 0x00FFU);
+  EXPECT_EQ(halves.refresh_bank_mask_of(5), 1U << 5 | 1U << 13);
+}
+
+TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
+  Script s(with([](DramConfig& c) { c.controller.power_down = true; }));
+  s.read(0, 1);
+  s.read(0, 1, 5000);
+  s.go();
+  EXPECT_EQ(s.latency(1), kForm.latency_after_power_down());
+  EXPECT_EQ(s.why(DramCycleReason::kPowerDown), kT.xp);
+  EXPECT_EQ(s.result.stats.power_downs, 1U);
+  EXPECT_EQ(s.result.stats.power_down, 5000 - s.done(0) - s.config.controller.power_down_after - kT.rp_ab);
+}
+
+TEST(PowerDown, IsLeftForEveryRefresh) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.power_down = true;
+    d.timing.refi_pb = 780;
+  });
+  DramHarness b(c);
+  b.requester().send(b.row(7, 0));
+  b.requester().send(b.row(7, 0), 100'000);
+  const std::uint64_t cycles = b.run();
+  const std::uint64_t refreshes = 100'000 / 780;
+  const std::uint64_t awake = refreshes * (kT.xp + kT.rfc_pb);
+  EXPECT_NEAR(static_cast<double>(b.stats().power_down), static_cast<double>(100'000 - awake), 500.0);
+  EXPECT_EQ(b.stats().refreshes, cycles / 780);
+  EXPECT_EQ(b.stats().active_standby + b.stats().precharge_standby + b.stats().power_down, cycles);
+}
+
+TEST(PowerDown, WaitsForAFuturePrecharge) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.power_down = true;
+    d.controller.power_down_after = 1;
+    d.controller.page_policy = PagePolicy::kClosed;
+    d.timing.refi_pb = 0;
+  });
+  DramHarness b(c);
+  for (const std::uint32_t i : {0U, 1U, 2U}) b.requester().send(b.row(i, 0), 2000 * i, true);
+  const std::uint64_t cycles = b.run();
+  const DramChannel::Stats& s = b.stats();
+  // A row stays open from its activate to the precharge after the write recovery time. All rows are closed tRP later,
+  // so the device may power down.
+  const std::uint64_t open = kT.rcd + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr;
+  EXPECT_EQ(s.active_standby, 2 * open + kT.rcd + 1) << "the last one is still open at the end of the run";
+  EXPECT_GE(s.power_downs, 2U);
+  EXPECT_GE(s.precharge_standby, 2 * kT.rp);
+  EXPECT_LE(s.precharge_standby, cycles);
+}
+
+TEST(Refresh, ThatBarelyLeavesABankTimeStillServesAllRequests) {
+  for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
+    for (const DramSchedulingPolicy scheduler : {DramSchedulingPolicy::kFrFcfs, DramSchedulingPolicy::kFcfs}) {
+      DramConfig c = with([&](DramConfig& d) {
+        d.controller.refresh = kind;
+        d.controller.scheduler = scheduler;
+        d.controller.power_down = true;
+        d.controller.power_down_after = 1;
+        d.timing.refi_pb = 200;
+        d.timing.refi_ab = 1600;
+        d.timing.rfc_pb = d.timing.rfc_ab = 1600 - kT.xp - kT.rp_ab - 2 * kT.rc - 1;
+      });
+      c.check([](const std::string& key, const std::string& what) { ADD_FAILURE() << key << " " << what; });
+      Script s(c);
+      for (std::uint64_t i = 0; i < 600; ++i) {
+        s.requests.push_back({sim::hash(i) % 65536 * 64, sim::hash(i, 1) % 3 == 0, 0});
+      }
+      s.go();
+      EXPECT_EQ(s.result.stats.reads + s.result.stats.writes, 600U);
+    }
+  }
+}
+
+TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
+  for (const std::uint32_t ranks : {1U, 2U}) {
+    constexpr std::uint64_t kEnd = 10'000;  // cycle in which the answer is taken, which ends the run
+    const DramConfig c = with([&](DramConfig& d) {
+      d.controller.power_down = true;
+      d.organisation.ranks = ranks;
+    });
+    DramHarness b(c);
+    b.requester().pop_every = kEnd;
+    b.requester().send(b.row(0, 1));
+    const std::uint64_t cycles = b.run();
+    EXPECT_EQ(cycles, kEnd + 1);
+    const auto read = static_cast<std::uint64_t>(DramClosedForms(c).closed_bank_latency());
+    const std::uint64_t down =
+        1 + read + c.controller.power_down_after + c.timing.rp_ab;  // after one cycle on the link
+    EXPECT_EQ(b.stats().power_down, ranks * (cycles - down));
+    EXPECT_EQ(b.stats().power_downs, 0U) << "nothing woke it";
+    EXPECT_EQ(b.stats().active_standby, down - 1 - c.timing.rp_ab) << "from the activate to the precharge";
+    EXPECT_EQ(b.stats().precharge_standby, ranks * down - b.stats().active_standby);
+  }
+}
+
+TEST(DramPowerDown, DelaysNoRequestThatArrivesInItsFirstCycle) {
+  const DramConfig c = with([](DramConfig& d) { d.controller.power_down = true; });
+  const DramClosedForms form(c);
+  const auto down =
+      static_cast<std::uint64_t>(form.closed_bank_latency()) + c.controller.power_down_after + c.timing.rp_ab;
+  for (const std::uint64_t later : {0U, 1U}) {
+    Script s(c);
+    s.read(0, 1);
+    s.read(0, 1, down + later);
+    s.go();
+    EXPECT_EQ(s.latency(1), later == 0 ? form.closed_bank_latency() : form.latency_after_power_down());
+    EXPECT_EQ(s.result.stats.power_downs, later);
+    EXPECT_EQ(s.result.stats.power_down, later);
   }
 }
 

@@ -1,7 +1,15 @@
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "hw_models/dram/dram_channel.h"
+#include "hw_models/dram/dram_device.h"
 #include "hw_models/dram/dram_measurements.h"
+#include "sim/hash.h"
 #include "tests/hw_models/dram/dram_harness.h"
+#include "tests/param_name.h"
 
 // Tests of page policies, schedulers and a device of two ranks, and of every kind of controller in every engine mode.
 
@@ -183,5 +191,198 @@ TEST(Controllers, OfEveryKindDoNotDependOnTheEngine) {
   }
 }
 
+constexpr std::uint32_t kBank = 5, kRow = 7;
+
+/// Serves the last queued hit of a row, then a request for `row` arrives. Returns true if the first row was closed.
+bool closes_before(DramPagePolicy& policy, std::uint32_t row) {
+  const bool closed = policy.should_close_row(kBank, kRow, false);
+  policy.note_request(kBank, row);
+  return closed;
+}
+
+TEST(DramPagePolicy, ForgetsManyOtherRowsAfterTwoOfTheSame) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(policy.should_close_row(kBank, kRow, true)) << "another row waits";
+  EXPECT_TRUE(closes_before(policy, kRow)) << "the count ends at 3";
+  EXPECT_TRUE(closes_before(policy, kRow)) << "2: the upper half";
+  EXPECT_FALSE(closes_before(policy, kRow)) << "1";
+}
+
+TEST(DramPagePolicy, ForgetsManyOfTheSameAfterTwoOtherRows) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(closes_before(policy, kRow));
+  EXPECT_FALSE(closes_before(policy, kRow + 1)) << "0";
+  EXPECT_FALSE(closes_before(policy, kRow + 1)) << "1";
+  EXPECT_TRUE(closes_before(policy, kRow + 1)) << "2";
+}
+
+TEST(DramPagePolicy, CountsOnlyTheNextRequest) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  EXPECT_FALSE(closes_before(policy, kRow + 1));
+  for (int i = 0; i < 10; ++i) policy.note_request(kBank, kRow + 1);
+  EXPECT_FALSE(policy.should_close_row(kBank, kRow, false)) << "1";
+}
+
+TEST(DramPagePolicy, CountsForEachBankSeparately) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(policy.should_close_row(kBank, kRow, true));
+  for (std::uint32_t bank = 0; bank < 32; ++bank) EXPECT_EQ(policy.should_close_row(bank, kRow, false), bank == kBank);
+}
+
+DramQueue::Entry entry(std::uint32_t bank, std::uint32_t row) {
+  DramQueue::Entry e;
+  e.address = {bank, row};
+  return e;
+}
+
+/// A queue with requests for rows 10 and 11 of bank 3, whose row 10 is open, and for a closed row of bank 31.
+DramQueue four() {
+  DramQueue queue(4, 32);
+  queue.push(entry(3, 10), true);
+  queue.push(entry(31, 20), false);
+  queue.push(entry(3, 11), false);
+  queue.push(entry(3, 10), true);
+  return queue;
+}
+
+TEST(DramQueue, TracksRequestsByBankAndHitsOfItsOpenRow) {
+  DramQueue queue = four();
+  EXPECT_TRUE(queue.is_full());
+  EXPECT_EQ(queue.requested_bank_mask(), 1U << 3 | 1U << 31);
+  EXPECT_EQ(queue.hit_bank_mask(), 1U << 3);
+  EXPECT_EQ(queue.request_position_mask(3), 0b1101U);
+  EXPECT_EQ(queue.request_position_mask(31), 0b0010U);
+  EXPECT_EQ(queue.hit_position_mask(3), 0b1001U);
+  EXPECT_EQ(queue.hit_position_mask(31), 0U);
+}
+
+TEST(DramQueue, MovesLaterRequestsUpWhenOneIsRemoved) {
+  DramQueue queue = four();
+  queue.remove_at(1);
+  EXPECT_EQ(queue.size(), 3U);
+  EXPECT_EQ(queue.requested_bank_mask(), 1U << 3);
+  EXPECT_EQ(queue.request_position_mask(3), 0b111U);
+  EXPECT_EQ(queue.request_position_mask(31), 0U);
+  EXPECT_EQ(queue.hit_position_mask(3), 0b101U);
+  EXPECT_EQ(queue.at(1).address.row, 11U);
+  queue.remove_at(0);
+  EXPECT_EQ(queue.oldest_entry().address.row, 11U);
+  EXPECT_EQ(queue.hit_position_mask(3), 0b10U);
+  queue.remove_at(1);
+  EXPECT_EQ(queue.hit_bank_mask(), 0U);
+  queue.remove_at(0);
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.requested_bank_mask(), 0U);
+}
+
+TEST(DramQueue, UpdatesHitsWhenARowOpensOrCloses) {
+  DramQueue queue = four();
+  queue.note_row_opened(3, 11);
+  EXPECT_EQ(queue.hit_position_mask(3), 0b100U);
+  queue.note_row_opened(31, 20);
+  EXPECT_EQ(queue.hit_bank_mask(), 1U << 3 | 1U << 31);
+  queue.note_row_closed(3);
+  EXPECT_EQ(queue.hit_position_mask(3), 0U);
+  EXPECT_EQ(queue.hit_bank_mask(), 1U << 31);
+}
+
+TEST(DramQueue, FindsTheRequestsOfSeveralBanks) {
+  const DramQueue queue = four();
+  EXPECT_EQ(queue.request_position_mask_of_banks(1U << 3), 0b1101U);
+  EXPECT_EQ(queue.hit_position_mask_of_banks(1U << 3), 0b1001U);
+  EXPECT_EQ(queue.request_position_mask_of_banks(1U << 3 | 1U << 31), 0b1111U);
+  EXPECT_EQ(queue.hit_position_mask_of_banks(1U << 31), 0U);
+  EXPECT_EQ(queue.request_position_mask_of_banks(0), 0U);
+}
+
+TEST(DramQueue, HoldsSixtyFour) {
+  DramQueue queue(64, 32);
+  for (std::uint32_t i = 0; i < 64; ++i) queue.push(entry(i % 32, i), true);
+  EXPECT_TRUE(queue.is_full());
+  EXPECT_EQ(queue.request_position_mask(31), std::uint64_t{1} << 31 | std::uint64_t{1} << 63);
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    EXPECT_EQ(queue.oldest_entry().address.row, i);
+    queue.remove_at(0);
+  }
+}
+
+constexpr std::uint64_t kNobody = std::numeric_limits<std::int64_t>::max();
+
+/// Small numbers, so that many are equal.
+BankLanes some(std::uint32_t banks, std::uint64_t seed) {
+  BankLanes lanes(banks);
+  for (std::uint32_t bank = 0; bank < banks; ++bank) lanes[bank] = sim::hash(seed, bank) % 16;
+  return lanes;
+}
+
+std::uint32_t first(std::uint32_t banks) { return static_cast<std::uint32_t>((std::uint64_t{1} << banks) - 1); }
+
+/// Expected results, computed bank by bank.
+struct OneByOne {
+  const BankLanes &a, &b;
+  std::uint32_t banks;
+
+  template <class Holds>
+  std::uint32_t all_that(Holds&& holds) const {
+    std::uint32_t mask = 0;
+    for (std::uint32_t bank = 0; bank < banks; ++bank) mask |= std::uint32_t{holds(bank)} << bank;
+    return mask;
+  }
+  template <class Number>
+  std::uint64_t least(std::uint32_t of, Number&& number) const {
+    std::uint64_t least = kNobody;
+    for (std::uint32_t bank = 0; bank < banks; ++bank) {
+      if ((of >> bank & 1) != 0) least = std::min(least, number(bank));
+    }
+    return least;
+  }
+};
+
+class BankLanesOf : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(BankLanesOf, EqualABankByBankReference) {
+  const std::uint32_t banks = GetParam();
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const BankLanes a = some(banks, seed), b = some(banks, seed + 1000);
+    const OneByOne expected{a, b, banks};
+    const std::uint64_t most = seed % 16;
+    const auto of = static_cast<std::uint32_t>(sim::hash(seed, 77U)) & first(banks);
+    const auto larger = [&](std::uint32_t bank) { return std::max(a[bank], b[bank]); };
+    EXPECT_EQ(a.banks_with_value_at_most(most) & first(banks),
+              expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
+    EXPECT_EQ(a.banks_with_both_at_most(b, most) & first(banks),
+              expected.all_that([&](std::uint32_t i) { return larger(i) <= most; }));
+    BankLanes raised = a;
+    raised.raise_to_at_least(of, most);
+    for (std::uint32_t i = 0; i < banks; ++i) {
+      EXPECT_EQ(raised[i], (of >> i & 1) != 0 ? std::max(a[i], most) : a[i]);
+    }
+    EXPECT_EQ(a.min_of(of), expected.least(of, [&](std::uint32_t i) { return a[i]; }));
+    EXPECT_EQ(a.min_of_maxima_with(b, of), expected.least(of, larger));
+    std::uint64_t any = 0;
+    for (std::uint32_t bank = 0; bank < banks; ++bank) any |= (of >> bank & 1) != 0 ? a[bank] : 0;
+    EXPECT_EQ(a.bitwise_or_of(of), any);
+  }
+}
+
+TEST_P(BankLanesOf, AreAllReplaced) {
+  BankLanes lanes = some(GetParam(), 3);
+  const BankLanes before = lanes;
+  lanes.transform_all([](std::uint64_t number) { return 3 * number + 1; });
+  for (std::uint32_t bank = 0; bank < GetParam(); ++bank) EXPECT_EQ(lanes[bank], 3 * before[bank] + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U, 32U), ::test::ParamName());
+
+TEST(BankLanes, HoldWhatTakesAllBitsOfACycle) {
+  BankLanes lanes(8);
+  lanes[5] = std::uint64_t{1} << 62;
+  EXPECT_EQ(lanes.banks_with_value_at_most((std::uint64_t{1} << 62) - 1), 0xdfU);
+  EXPECT_EQ(lanes.banks_with_value_at_most(std::uint64_t{1} << 62), 0xffU);
+  EXPECT_EQ(lanes.min_of(1U << 5), std::uint64_t{1} << 62);
+  EXPECT_EQ(lanes.min_of(0), kNobody);
+}
+
 }  // namespace
+
 }  // namespace hw::test

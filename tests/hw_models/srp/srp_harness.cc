@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
+
 namespace hw::test {
 
 using traces::WorkNode;
@@ -168,6 +170,17 @@ traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile, bool r
   if (reads_first) inputs.push_back(TileBuilder::all(work.transfer(traces::Region::kRates, false, 64)));
   work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items, inputs), items))});
   return work.build();
+}
+
+void expect_equal_cycles(const SrpHarness& fast, const SrpHarness& oracle) {
+  EXPECT_EQ(fast.elapsed(), oracle.elapsed());
+  std::uint64_t sum = 0;
+  for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
+    const auto why = static_cast<Srp::CycleReason>(w);
+    EXPECT_EQ(fast.spent(why), oracle.spent(why)) << Srp::kReasons[w].name;
+    sum += fast.spent(why);
+  }
+  EXPECT_EQ(sum, fast.elapsed());
 }
 
 }  // namespace hw::test

@@ -169,4 +169,7 @@ inline constexpr traces::KernelId kA = 0, kB = 1;
 /// Returns a tile in which kernel A makes rays and kernel B shades each hit. `reads_first`: A first reads from memory.
 traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false);
 
+/// Expects that two runs spend equal cycles for each cycle reason, and that these sum to their time.
+void expect_equal_cycles(const SrpHarness& fast, const SrpHarness& oracle);
+
 }  // namespace hw::test

@@ -60,7 +60,7 @@ TEST(ReportJson, FollowsThePathsOfTheUnits) {
   const auto json = units_json(units);
   EXPECT_EQ(json.at("core0").at("tni").at("trv0").at("why").at("working"), 3);
   EXPECT_EQ(json.at("core0").at("tni").at("elapsed"), 10);
-  EXPECT_EQ(json_text(json.at("l2")), R"({
+  EXPECT_EQ(json_lines(json.at("l2")), R"({
   "elapsed": 10,
   "why": {
     "idle": 7,

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -13,6 +14,7 @@
 #include "sim/hash.h"
 #include "sim/sha256.h"
 #include "tests/temp_folder.h"
+#include "traces/scene/images/formats.h"
 
 namespace test {
 namespace {
@@ -170,6 +172,118 @@ TEST(Text, GrowsToTheRightWithItsLength) {
       EXPECT_EQ(one.pixels[y * one.width + x], two.pixels[y * two.width + x]) << x << ", " << y;
     }
   }
+}
+
+// Tests that headers of OpenEXR files are checked before the library allocates the memory that they claim.
+
+/// Returns the bytes of an OpenEXR attribute: name, kind, size, value.
+std::string attribute(const std::string& name, const std::string& kind, const std::string& value, std::uint32_t size) {
+  return name + '\0' + kind + '\0' + std::string(reinterpret_cast<const char*>(&size), 4) + value;
+}
+std::string attribute(const std::string& name, const std::string& kind, const std::string& value) {
+  return attribute(name, kind, value, static_cast<std::uint32_t>(value.size()));
+}
+
+std::string window(const std::array<std::int32_t, 4>& corners) {
+  return attribute("dataWindow", "box2i", {reinterpret_cast<const char*>(corners.data()), sizeof corners});
+}
+
+std::string problem(const std::string& attributes, char flags = 0) {
+  return traces::exr_problem(std::string("\x76\x2f\x31\x01\x02", 5) + flags + std::string(2, '\0') + attributes + '\0',
+                             64);
+}
+
+TEST(ExrHeader, OfAWrittenFileIsGood) {
+  const TempFolder folder;
+  traces::write_exr(folder.path() / "a.exr", 7, 2, std::array<float, 42>{});
+  EXPECT_EQ(traces::exr_problem(read_bytes(folder.path() / "a.exr"), 14), "");
+  EXPECT_EQ(traces::exr_problem(read_bytes(folder.path() / "a.exr"), 13), "7 x 2 pixels, allowed are 13");
+}
+
+TEST(ExrHeader, ClaimsNoMorePixelsThanAllowed) {
+  EXPECT_EQ(problem(window({0, 0, 7, 7})), "");
+  EXPECT_EQ(problem(window({-4, -4, 3, 4})), "8 x 9 pixels, allowed are 64");
+  EXPECT_EQ(problem(window({0, 0, 0x74000007, 0})), "1946157064 x 1 pixels, allowed are 64");
+  EXPECT_EQ(problem(window({-2147483647 - 1, -2147483647 - 1, 2147483647, 2147483646})),
+            "4294967296 x 4294967295 pixels, allowed are 64");
+  EXPECT_EQ(problem(window({1, 0, 0, 0})), "the image has no pixels");
+}
+
+TEST(ExrHeader, ClaimsNoAttributeLongerThanTheFile) {
+  EXPECT_EQ(problem(attribute("note", "string", "abc", 4)), "damaged: ends early")
+      << "the end of the header is in the note";
+  EXPECT_EQ(problem(attribute("note", "string", "abc", 5)), "damaged: an attribute is longer than the file");
+  EXPECT_EQ(problem(attribute("note", "string", "abc", 0xffffffff)), "damaged: an attribute is longer than the file");
+  EXPECT_EQ(traces::exr_problem("\x76\x2f\x31\x01", 64), "damaged: ends early");
+}
+
+TEST(ExrHeader, HasAttributesOfKnownKindsAndTheirSizes) {
+  EXPECT_EQ(problem(attribute("a", "float", "abcd")), "");
+  EXPECT_EQ(problem(attribute("a", "float", "abcde")), "damaged: a float of 5 bytes");
+  EXPECT_EQ(problem(attribute("a", "preview", "abcd")), "an attribute of the kind 'preview'");
+  EXPECT_EQ(problem(attribute(std::string(256, 'a'), "float", "abcd")), "damaged: a name without an end");
+}
+
+TEST(ExrHeader, ClaimsUpToFourChannelsOfOnePartOfLines) {
+  const std::string channel = std::string("R\0", 2) + std::string(16, '\0');
+  const std::string four = channel + channel + channel + channel;
+  EXPECT_EQ(problem(attribute("channels", "chlist", four + '\0')), "");
+  EXPECT_EQ(problem(attribute("channels", "chlist", four + channel + '\0')), "5 channels, allowed are 1 to 4");
+  for (const char flags : {'\x02', '\x08', '\x10'}) {
+    EXPECT_EQ(problem("", flags), "tiled, deep or of several parts; allowed: one part of lines");
+  }
+  EXPECT_EQ(problem("", 0x04), "") << "long names";
+}
+
+TEST(ImageWriters, StoreNotesWithThePixels) {
+  const std::array<traces::ImageNote, 2> notes = {{{"Scene", "cornell"}, {"Unit", "rays"}}};
+  const std::string png = traces::png_bytes(1, 1, 3, std::array<std::uint8_t, 3>{1, 2, 3}, notes);
+  EXPECT_NE(png.find("tEXtScene" + std::string(1, '\0') + "cornell"), std::string::npos);
+  EXPECT_NE(png.find("tEXtUnit" + std::string(1, '\0') + "rays"), std::string::npos);
+
+  const std::array<traces::ImageChannel, 1> channel = {{{"rays"}}};
+  const std::string exr = traces::exr_bytes(1, 1, channel, std::array<float, 1>{7}, notes);
+  EXPECT_NE(exr.find("Scene" + std::string("\0string\0\7\0\0\0cornell", 19)), std::string::npos);
+}
+
+TEST(ImageWriters, KeepChannelsOfBothKindsApart) {
+  const std::array<traces::ImageChannel, 3> channels = {{{"p"}, {"q", true}, {"s"}}};
+  const std::vector<float> values = {0.1F, 2048, -1e30F, 0.2F, 0.5F, 1e-30F};
+  const TempFolder folder;
+  traces::write_exr(folder.path() / "a.exr", 1, 2, channels, values, {});
+  EXPECT_EQ(traces::read_exr(folder.path() / "a.exr").rgb, values);
+  const std::string exr = read_bytes(folder.path() / "a.exr");
+  EXPECT_NE(exr.find(std::string("q\0\1\0\0\0", 6)), std::string::npos) << "type 1: 16 bits";
+  EXPECT_NE(exr.find(std::string("s\0\2\0\0\0", 6)), std::string::npos) << "type 2: 32 bits";
+}
+
+TEST(ImageWriters, ReportTheErrorOfTheirLibrary) {
+  const auto refusal = [](const auto& write) -> std::string {
+    try {
+      write();
+    } catch (const sim::IoError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const std::vector<std::uint8_t> wide(3'000'003);
+  EXPECT_EQ(refusal([&] { traces::png_bytes(1'000'001, 1, 3, wide); }),
+            "no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
+  EXPECT_EQ(refusal([&] { traces::write_png("a.png", 1'000'001, 1, wide); }),
+            "a.png: no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
+  traces::Texture texture;
+  texture.name = "wood";
+  texture.width = 1'000'001;
+  texture.height = 1;
+  texture.texels.resize(1'000'001);
+  EXPECT_EQ(refusal([&] { traces::encode_png(texture); }),
+            "texture 'wood': no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
+  const std::array<traces::ImageChannel, 1> channel = {{{"a"}}};
+  const std::array<traces::ImageNote, 1> note = {{{"channels", "no text"}}};
+  EXPECT_EQ(
+      refusal([&] { traces::exr_bytes(1, 1, channel, std::array<float, 1>{}, note); }),
+      "no OpenEXR file of 1 x 1 pixels: Cannot assign a value of type \"string\" to image attribute \"channels\" of "
+      "type \"chlist\".");
 }
 
 }  // namespace

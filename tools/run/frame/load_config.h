@@ -15,7 +15,6 @@
 #include "sim/config/field.h"
 #include "sim/config/variant.h"
 #include "sim/named.h"
-#include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/report/thermal.h"
 #include "sim/unit_report.h"
@@ -25,6 +24,7 @@
 #include "traces/scenes/workload.h"
 
 namespace hw {
+
 struct GpuConfig;
 }
 
@@ -166,6 +166,19 @@ class ConfigVariants {
 /// Throws InputError unless every entry of the tables of energy and area matches a counter or hardware of the machine,
 /// and every counter has an entry.
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config);
+
+/// Returns a warning for each size, clock and voltage outside the ranges of the energy, area and latency tables, and
+/// one if tables are for different processes.
+std::vector<std::string> technology_table_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
+
+/// Returns the warnings of technology_table_warnings() for all units of the configured machine, without a run.
+std::vector<std::string> technology_table_warnings(const RunConfig& config);
+
+/// Returns a warning if the tables of energy, area, voltage and latency that `config` uses are for different processes.
+std::vector<std::string> process_warnings(const RunConfig& config);
+
+/// Appends those lines of `more` that `lines` does not contain.
+void add_warnings(std::vector<std::string>& lines, const std::vector<std::string>& more);
 
 }  // namespace tools
 

@@ -10,11 +10,12 @@
 #include "sim/config/config.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "sim/report/table.h"
 #include "tools/host/process.h"
 #include "tools/run/frame/front_end.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/replay_program.h"
-#include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
@@ -276,6 +277,8 @@ kernels::TileGridSize tile_grid_size(const Inputs& inputs, const kernels::Progra
 }
 
 std::uint64_t FrameResult::rays() const { return rendered.all_rays(); }
+double FrameResult::time_ms() const { return static_cast<double>(elapsed) / sim::kFemtosecondsPerMillisecond; }
+double FrameResult::energy_mj() const { return energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
 
 void FrameResult::add(const FrameResult& frame) {
   frames += frame.frames;

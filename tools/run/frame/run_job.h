@@ -165,6 +165,8 @@ struct FrameResult {
   std::shared_ptr<const hw::CacheContents> caches;  ///< cache contents after a whole frame, with frame.start warm
   hw::TileAccount rest;                             ///< activity that no tile requested, if costs are itemised
   std::uint64_t rays() const;
+  double time_ms() const;
+  double energy_mj() const;
   bool is_partial() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture remains that of the first frame.
   void add(const FrameResult& frame);

@@ -205,16 +205,6 @@ std::string nearest_path_end(const std::string& text, const std::vector<std::str
   return found == known.end() ? std::string() : *found;
 }
 
-/// True if `text` is a report path, the end of one, or a group of paths. Digits are ignored. `kinds`: all report paths
-/// with their digits removed ("units.core.srp", not "units.core0.srp").
-bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
-  try {
-    return !report_path_group(remove_digits(text), kinds).empty();
-  } catch (const sim::InputError&) {  // the text is ambiguous, so it matches several paths
-    return true;
-  }
-}
-
 /// Throws InputError for a misspelt report path in the suite's `keep`, with the most similar path. Simulates short
 /// runs.
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
@@ -230,7 +220,7 @@ void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   for (const std::string& path : paths) kinds.insert(remove_digits(path));
   const std::vector<std::string> known(kinds.begin(), kinds.end());
   for (const KeepEntry& kept : suite.kept) {
-    if (is_known(kept.text, known)) continue;
+    if (denotes_report_path(remove_digits(kept.text), known)) continue;
     if (const std::string nearest = nearest_path_end(kept.text, paths); !nearest.empty()) {
       throw sim::InputError(fmt::format("{}: keep: there is no report path '{}', did you mean '{}'?", kept.at,
                                         sim::printable(kept.text), nearest));

@@ -18,7 +18,6 @@
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/run/frame/table_warnings.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {

@@ -1,5 +1,3 @@
-#include "tools/studies/energy/price.h"
-
 #include <algorithm>
 #include <array>
 #include <iterator>
@@ -18,6 +16,7 @@
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/host/standard_streams.h"
+#include "tools/studies/energy/energy.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/results.h"
 #include "tools/studies/sweep/store/store.h"
@@ -200,7 +199,7 @@ std::string priced_json(const std::vector<RepricedRun>& runs) {
     entry["extrapolated"] = run.extrapolated;
     out["runs"].push_back(std::move(entry));
   }
-  return sim::json_text(out);
+  return sim::json_lines(out);
 }
 
 std::map<std::string, sim::Band> table_values_of(RunConfig config) {

@@ -1,5 +1,3 @@
-#include "tools/studies/energy/show.h"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -23,6 +21,7 @@
 #include "tools/pricing/priced_run.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/machine_run.h"
+#include "tools/studies/energy/energy.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {

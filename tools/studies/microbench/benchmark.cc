@@ -11,7 +11,6 @@
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/time.h"
 #include "tools/host/paths.h"
@@ -81,12 +80,12 @@ std::string findings_json(std::string_view benchmark, const Findings& findings) 
                             {"remark", f.remark},
                             {"good", f.is_good()}});
   }
-  return sim::json_text({{"schema", "raywatt-microbench/1"},
-                         {"benchmark", benchmark},
-                         {"title", findings.title},
-                         {"figures", measurements},
-                         {"notes", findings.notes},
-                         {"good", findings.is_good()}});
+  return sim::json_lines({{"schema", "raywatt-microbench/1"},
+                          {"benchmark", benchmark},
+                          {"title", findings.title},
+                          {"figures", measurements},
+                          {"notes", findings.notes},
+                          {"good", findings.is_good()}});
 }
 
 BenchmarkOption json_option() { return {"--json", "print JSON", &BenchmarkJob::json}; }

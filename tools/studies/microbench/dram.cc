@@ -289,8 +289,9 @@ Findings measure_channel(const BenchmarkJob& job) {
   }
   const std::vector<hw::DramRequest> requests = load_dram_stream(job.stream);
   const Result result(config, requests, job.outstanding == 0 ? config.controller.read_queue : job.outstanding);
-  return {
-      .title = {}, .measurements = {}, .printed = job.json ? sim::json_text(stream_json(result)) : stream_text(result)};
+  return {.title = {},
+          .measurements = {},
+          .printed = job.json ? sim::json_lines(stream_json(result)) : stream_text(result)};
 }
 
 }  // namespace

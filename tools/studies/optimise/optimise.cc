@@ -12,7 +12,6 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "tools/host/process.h"
 #include "tools/host/progress.h"
 #include "tools/host/standard_streams.h"
@@ -150,7 +149,7 @@ int run(const Options& options, Task task, const std::string& text,
   answer.seconds = sim::seconds_since(begin);
   answer.is_checked = options.check;
   if (!on_end) answer.check_command = check_command(options, out);
-  sim::write_file_atomically(out / kSearchFile, sim::json_text(search_json(answer)));
+  sim::write_file_atomically(out / kSearchFile, sim::json_lines(search_json(answer)));
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet && options.prints_answer) {
     fmt::print("{}\n{}results: {}, history.jsonl\n", to_terminal_encoding(answer_text(answer)), summary_text(answer),

@@ -4,7 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "sim/error.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/run.h"
 
@@ -19,15 +18,6 @@ constexpr std::array<std::string_view, 7> kGroupsOfScenes = {
 bool is_in_group_of_scenes(std::string_view path) {
   const std::string name = metric_name(path);
   return std::ranges::find(kGroupsOfScenes, name.substr(0, name.find_first_of(".["))) != kGroupsOfScenes.end();
-}
-
-/// True if the text denotes a report path, several, or a group of them.
-bool is_known_path(std::string_view text, std::span<const std::string> paths) {
-  try {
-    return !report_path_group(text, paths).empty();
-  } catch (const sim::InputError&) {
-    return true;  // it is ambiguous
-  }
 }
 
 }  // namespace
@@ -55,7 +45,7 @@ std::vector<std::string> probe_report_paths(RunConfig config, JobOptions options
 
 bool may_depend_on_scene(std::string_view text, std::span<const std::string> paths) {
   if (is_in_group_of_scenes(text)) return true;
-  if (is_known_path(text, paths)) return false;
+  if (denotes_report_path(text, paths)) return false;
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos || text.starts_with("totals.")) return false;
   const std::string_view end = text.substr(dot);  // ".items", as of all kernels

@@ -11,7 +11,7 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "sim/report/area.h"
+#include "sim/report/energy.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/studies/optimise/probe.h"

@@ -19,7 +19,6 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
@@ -518,7 +517,7 @@ class Job {
       if (entry.path().extension() == ".png") pictures.push_back(entry.path().filename());
     }
     std::ranges::sort(pictures);
-    sim::write_file_atomically(folder / "reproduce.json", sim::json_text(json));
+    sim::write_file_atomically(folder / "reproduce.json", sim::json_lines(json));
     sim::write_file_atomically(folder / "reproduce.md", results_markdown(results_, pictures));
   }
 

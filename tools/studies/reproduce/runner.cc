@@ -18,7 +18,7 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/wavefront.h"
 #include "sim/error.h"
-#include "sim/report/area.h"
+#include "sim/report/energy.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/units.h"

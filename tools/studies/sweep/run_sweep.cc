@@ -19,7 +19,6 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/host/process.h"
 #include "tools/host/progress.h"
@@ -442,7 +441,7 @@ void print_sweep_status(const fs::path& path, bool json) {
   const std::optional<sim::Json> slurm = sweep::slurm_status(folder);
   if (slurm) status["slurm"] = *slurm;
   if (json) {
-    fmt::print("{}", sim::json_text(status));
+    fmt::print("{}", sim::json_lines(status));
     return;
   }
   fmt::print("{}\n", counts_text(status));

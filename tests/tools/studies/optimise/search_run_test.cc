@@ -10,7 +10,7 @@
 #include "sim/config/yaml_tree.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
-#include "sim/report/area.h"
+#include "sim/report/energy.h"
 #include "tests/tools/program.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/studies/optimise/answer.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -11,6 +12,8 @@
 
 #include "sim/hash.h"
 #include "tests/full_size.h"
+#include "tools/studies/optimise/multi_objective.h"
+#include "tools/studies/optimise/surrogate.h"
 #include "tools/studies/sweep/spec/plan.h"
 
 // Tests of the search on spaces of 1,024 points: fronts found with a tenth of the evaluations are compared with the
@@ -493,6 +496,76 @@ TEST(Search, PointsWithoutAFigureAreNotFeasible) {
   EXPECT_EQ(search.feasible_scores().size(), 1U);
   search.replace_result({0, 1}, {5.0, 2.0, 0.5}, {}, false);
   EXPECT_TRUE(search.feasible_scores().empty()) << "whole frames broke the limit";
+}
+
+TEST(Acquisition, ComputesTheNormalDistribution) {
+  EXPECT_DOUBLE_EQ(log_normal_cdf(0), std::log(0.5));
+  EXPECT_NEAR(log_normal_cdf(1.959963984540054), std::log(0.975), 1e-14);
+  EXPECT_NEAR(log_normal_cdf(-1.959963984540054), std::log(0.025), 1e-13);
+  EXPECT_NEAR(log_normal_cdf(-40), -804.6084420137538, 1e-5);  // Johnson and others: -z^2/2 - log(z sqrt(2 pi)) - ...
+}
+
+TEST(Acquisition, IsFiniteIfProbabilitiesUnderflow) {
+  for (const double z : {-29.9, -30.1, -38.0, -100.0, -1000.0}) {
+    EXPECT_GT(log_normal_cdf(z), log_normal_cdf(z - 0.1)) << z;
+    EXPECT_GT(log_expected_gain({z, 1}, 0), log_expected_gain({z - 0.1, 1}, 0)) << z;
+    EXPECT_TRUE(std::isfinite(log_expected_gain({z, 1}, 0))) << z;
+  }
+}
+
+TEST(Acquisition, ExpectsTheMeanGainAboveTheBest) {
+  // A normal value at the best one, and far above it.
+  EXPECT_NEAR(log_expected_gain({3, 2}, 3), std::log(2 / std::sqrt(2 * std::numbers::pi)), 1e-14);
+  EXPECT_NEAR(log_expected_gain({103, 2}, 3), std::log(100), 1e-14);
+  EXPECT_NEAR(std::exp(log_expected_gain({2, 1}, 3)), 0.08331547058768617, 1e-14);  // phi(1) - (1 - Phi(1))
+}
+
+TEST(Acquisition, IsExactForExactValues) {
+  EXPECT_DOUBLE_EQ(log_expected_gain({5, 0}, 3), std::log(2));
+  EXPECT_EQ(log_expected_gain({3, 0}, 3), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(log_probability({5, 0}, 3, true), 0);
+  EXPECT_EQ(log_probability({5, 0}, 3, false), -std::numeric_limits<double>::infinity());
+  EXPECT_DOUBLE_EQ(log_probability({5, 1}, 5, true), std::log(0.5));
+}
+
+const Score kOrigin = {0, 0};
+
+TEST(ParetoFront, HasThePointsThatNoOtherDominates) {
+  const std::vector<Score> scores = {{1, 3}, {2, 2}, {1, 2}, {3, 1}, {2, 1}};
+  EXPECT_EQ(pareto_front_of(scores), (std::vector<std::size_t>{3, 1, 0})) << "the best in the first objective first";
+}
+
+TEST(ParetoFront, HasTheFirstOfEqualPoints) {
+  EXPECT_EQ(pareto_front_of(std::vector<Score>{{1, 1}, {1, 1}}), (std::vector<std::size_t>{0}));
+}
+
+TEST(ParetoFront, IsTheBestPointOfOneObjective) {
+  EXPECT_EQ(pareto_front_of(std::vector<Score>{{1}, {3}, {2}}), (std::vector<std::size_t>{1}));
+}
+
+TEST(Hypervolume, IsTheAreaBetweenTheCornerAndTheFront) {
+  EXPECT_EQ(hypervolume(std::vector<Score>{{2, 3}}, kOrigin), 6);
+  EXPECT_EQ(hypervolume(std::vector<Score>{{1, 3}, {2, 2}, {3, 1}}, kOrigin), 3 + 2 + 1);
+  EXPECT_EQ(hypervolume(std::vector<Score>{{3, 1}, {1, 1}, {2, 2}, {1, 3}}, kOrigin), 3 + 2 + 1) << "in any order";
+  EXPECT_EQ(hypervolume(std::vector<Score>{{2, 3}}, {1, 1}), 2);
+}
+
+TEST(Hypervolume, IgnoresPointsThatAreNotBetterThanTheCorner) {
+  EXPECT_EQ(hypervolume(std::vector<Score>{{2, 0}, {0, 2}, {-1, 5}}, kOrigin), 0);
+}
+
+TEST(HypervolumeGain, IsTheIncreaseOfTheHypervolume) {
+  const std::vector<Score> front = {{1, 4}, {3, 3}, {5, 1}};
+  HypervolumeGain gain(kOrigin);
+  for (const Score& score : front) gain.add(score);
+  for (double x = -0.5; x < 7; x += 0.5) {
+    for (double y = -0.5; y < 6; y += 0.5) {
+      std::vector<Score> more = front;
+      more.push_back({x, y});
+      EXPECT_DOUBLE_EQ(gain.gain_of({x, y}), hypervolume(more, kOrigin) - hypervolume(front, kOrigin)) << x << " " << y;
+    }
+  }
+  EXPECT_EQ(gain.gain_of({4, 2}), 1) << "by hand: from 3 to 4, from 1 to 2";
 }
 
 }  // namespace

@@ -1,4 +1,3 @@
-#include "tools/studies/optimise/table_draws.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,6 @@
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/host/process.h"
@@ -56,7 +55,7 @@ void write_picture(const SimulatedFrame& played, const fs::path& file) {
 
 /// Writes the report and the configuration of a point into its folder.
 void write_results(const fs::path& folder, const sim::Json& report, const RunConfig& config) {
-  sim::write_file_atomically(folder / "report.json", sim::json_text(report));
+  sim::write_file_atomically(folder / "report.json", sim::json_lines(report));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
 }
 

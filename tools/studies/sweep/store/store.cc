@@ -15,7 +15,6 @@
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/sha256.h"
 
 namespace tools::sweep {
@@ -149,7 +148,7 @@ void Store::put_result(const std::string& id, const Json& made_of,
       files[name] = sim::sha256_hex(sim::read_file(temporary.path() / name, kMostPointBytes));
     }
     sim::write_file_atomically(temporary.path() / kPointFile,
-                               sim::json_text({{"id", id}, {"made_of", made_of}, {"files", files}}));
+                               sim::json_lines({{"id", id}, {"made_of", made_of}, {"files", files}}));
     sim::make_folders(result.parent_path());
     std::error_code error;
     fs::rename(temporary.path(), result, error);
@@ -164,12 +163,12 @@ void Store::put_result(const std::string& id, const Json& made_of,
 
 void Store::put_failure(const Failure& f) const {
   sim::make_folders(failure_file(f.id).parent_path());
-  sim::write_file_atomically(failure_file(f.id), sim::json_text({{"id", f.id},
-                                                                 {"exit", f.exit},
-                                                                 {"error", sim::printable(f.error, 4096)},
-                                                                 {"log", f.log},
-                                                                 {"host", f.host},
-                                                                 {"attempt", f.attempt}}));
+  sim::write_file_atomically(failure_file(f.id), sim::json_lines({{"id", f.id},
+                                                                  {"exit", f.exit},
+                                                                  {"error", sim::printable(f.error, 4096)},
+                                                                  {"log", f.log},
+                                                                  {"host", f.host},
+                                                                  {"attempt", f.attempt}}));
 }
 
 void Store::remove_failure(const std::string& id) const {
@@ -355,12 +354,12 @@ SweepFolder SweepFolder::create(const fs::path& path, FolderKind kind, const std
     if (fs::exists(file, failed) && sim::read_file(file, kMostFolderBytes) == text) return;
     sim::write_file_atomically(file, text);
   };
-  replace("sweep.json", sim::json_text({{"schema", kFolderSchema},
-                                        {"of", what},
-                                        {"store", folder.store_.string()},
-                                        {"points", points.size()},
-                                        {"slurm", slurm},
-                                        {"sets", sets}}));
+  replace("sweep.json", sim::json_lines({{"schema", kFolderSchema},
+                                         {"of", what},
+                                         {"store", folder.store_.string()},
+                                         {"points", points.size()},
+                                         {"slurm", slurm},
+                                         {"sets", sets}}));
   replace("sweep.yaml", spec);
   std::string lines;
   for (const Point& point : points) lines += format_point_line(point) + "\n";
