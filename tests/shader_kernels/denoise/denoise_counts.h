@@ -22,6 +22,9 @@ inline constexpr Hand kDenoiseByHand[] = {
     // scalar; light, normal; 2 shift, 2 or.
     {"split_light", {16, 26, 3, 26, 2, 10, 22, 13, 2, 4, 0}},
     {"split_light_float", {16, 22, 3, 22, 2, 10, 10, 13, 2, 4, 0}},
+    // Lattice_sample instead of div_mod, compare, to_int; without 6 (select, add, mul).
+    {"split_grid_light", {12, 22, 3, 26, 1, 4, 22, 13, 2, 4, 0}},
+    {"split_grid_light_float", {12, 18, 3, 22, 1, 4, 10, 13, 2, 4, 0}},
     // Operations: light; to_float, div_mod; and, shift; 2 (to_float, sub, mul, 2 add); 2 (floor, sub), 4 sub, 4 add;
     // mul, normal. 4 taps: 4 compare, 3 and; mul, add, select, to_int; light without its fourth value, moments, normal;
     // shift, to_float; vector sub, dot, 2 compare, sub, abs, mul; compare, 3 and; mul, select. Sums: mul; 3 (5 sub, 5
