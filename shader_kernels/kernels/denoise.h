@@ -363,6 +363,8 @@ struct TilePlaceUniforms {
 ///
 ///   light  = history + max(alpha, 1/n) (light - history)                    n: frames of the history with this one
 ///   mean   = mean + a (l - mean),  variance = (1 - a) (variance + a (l - mean)^2)      a = max(moments_alpha, 1/n)
+///
+/// The filter gets the variance of the accumulated light: variance max(alpha, 1/n).
 template <bool kHalf>
 struct AccumulateHistory {
   static constexpr std::string_view kName = kHalf ? "accumulate_history" : "accumulate_history_float";
@@ -408,7 +410,7 @@ struct AccumulateHistory {
     const F<V> change = l - past.mean;
     const F<V> variance = (past.deviation * past.deviation + change * change * moments_alpha) * (1.0F - moments_alpha);
     const F<V> known_variance = select(past.is_known, variance, F<V>(0.0F));
-    io.filtered.store(item, pack_light<V, kHalf>(select<V>(past.is_known, blended, light.rgb), known_variance));
+    io.filtered.store(item, pack_light<V, kHalf>(select<V>(past.is_known, blended, light.rgb), known_variance * alpha));
     io.moments.store(item, pack_moments<V, kHalf>(select(past.is_known, past.mean + change * moments_alpha, l),
                                                   sqrt(known_variance)));
     io.guide_words.store(item, {guide.normal | (to_int(length) << 24U), guide.depth});

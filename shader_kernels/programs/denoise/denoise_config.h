@@ -22,7 +22,7 @@ struct DenoiseConfig {
   HistoryPrecision history = HistoryPrecision::kHalf;
   double alpha = 0.05, moments_alpha = 0.2;
   std::uint32_t history_cap = 32;
-  double phi_colour = 10, phi_normal = 128, phi_depth = 1;
+  double phi_colour = 4, phi_normal = 128, phi_depth = 1;
   double depth_tolerance = 0.05, normal_tolerance = 0.9;
   double external_time = 2.6, external_bytes = 13.6, external_energy = 2950;
   double external_upscaling = 1;

@@ -215,6 +215,19 @@ TEST(Denoised, FilterAndHistoryEachRemoveNoise) {
   EXPECT_LT(squared_distance(unfiltered.next(), truth), 0.3 * noisy) << "the mean of eight frames";
 }
 
+TEST(Denoised, AStillPictureHardlySoftensFromFrameToFrame) {
+  // The history is filtered once in each frame, so that shadows would blur if weights did not follow its variance.
+  Sequence frames(penumbra(), soft());
+  Sequence exact = frames;
+  exact.render.shadow_rays = 64;
+  const std::vector<float> truth = exact.noisy(0);
+  frames.denoise().iterations = 1;
+  for (std::uint32_t i = 0; i < 3; ++i) frames.next();
+  const double early = squared_distance(frames.next(), truth);
+  for (std::uint32_t i = 0; i < 11; ++i) frames.next();
+  EXPECT_LT(squared_distance(frames.next(), truth), 2 * early);
+}
+
 TEST(Denoised, PicturesDoNotDependOnTileSize) {
   std::vector<std::vector<float>> pictures;
   for (const std::uint32_t tile : {8U, 16U, 32U}) {
