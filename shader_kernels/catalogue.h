@@ -81,7 +81,7 @@ using AllKernels = std::tuple<
     AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,
     FilterLight<true, TapSource::kTile>, FilterLight<true, TapSource::kMemory>, FilterLight<false, TapSource::kFirst>,
     FilterLight<false, TapSource::kTile>, FilterLight<false, TapSource::kMemory>, ModulateAlbedo<true>,
-    ModulateAlbedo<false>,
+    ModulateAlbedo<false>, SplitGridLight<true>, SplitGridLight<false>,
     // Fused kernels. Their variants are added at the end; tests require that all unfused kernels precede them.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

@@ -249,6 +249,17 @@ struct RecordMovingGuide {
   }
 };
 
+/// Ports of the kernels that divide the light of samples by albedo.
+template <class V, bool kHalf>
+struct SplitPorts {
+  Local<V, ColourRecord> colours;
+  Local<V, GuideRecord> guides;
+  LocalLight<V, kHalf> light;
+  Local<V, GuideWords> guide_words;
+  Local<V, WordRecord> motions, albedos;
+  F<V> most;  ///< largest channel of a sample that counts
+};
+
 /// Divides the mean colour of a pixel's samples by its mean albedo, and packs the pixel's guide. Sums run over the
 /// samples of a pixel; the last one stores the result. Normal, depth and motion are those of the last sample.
 template <bool kHalf>
@@ -256,19 +267,15 @@ struct SplitLight {
   static constexpr std::string_view kName = kHalf ? "split_light" : "split_light_float";
   static constexpr std::string_view kMeaning = "sample -> its pixel's light without albedo, and its packed guide";
   template <class V>
-  struct Ports {
-    Local<V, ColourRecord> colours;
-    Local<V, GuideRecord> guides;
-    LocalLight<V, kHalf> light;
-    Local<V, GuideWords> guide_words;
-    Local<V, WordRecord> motions, albedos;
-    LoopCarried<V> red, green, blue, albedo_red, albedo_green, albedo_blue;
+  struct Ports : SplitPorts<V, kHalf> {
+    std::array<LoopCarried<V>, 6> sums;  ///< of colour, then of albedo
     F<V> samples, inverse_samples;
-    F<V> most;  ///< largest channel of a sample that counts
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port,
-               NAMED_ALL(p.colours, p.guides, p.light, p.guide_words, p.motions, p.albedos, p.red, p.green, p.blue,
-                         p.albedo_red, p.albedo_green, p.albedo_blue, p.samples, p.inverse_samples, p.most));
+      name_all(port, NAMED_ALL(p.colours, p.guides, p.light, p.guide_words, p.motions, p.albedos));
+      constexpr std::array<std::string_view, 6> kSums{"red",        "green",        "blue",
+                                                      "albedo_red", "albedo_green", "albedo_blue"};
+      for (std::size_t i = 0; i < kSums.size(); ++i) port(p.sums[i], kSums[i]);
+      name_all(port, NAMED_ALL(p.samples, p.inverse_samples, p.most));
     }
   };
   template <class V>
@@ -276,16 +283,24 @@ struct SplitLight {
     const DivMod<V> pixel = div_mod<V>(to_float(item), io.samples, io.inverse_samples);
     const M<V> first = pixel.remainder <= 0.0F;
     const I<V> to = to_int(pixel.quotient);
-    const Vec3<V> colour = io.colours.load(item).rgb;
-    const GuideRecord<V> guide = io.guides.load(item);
-    const auto mean = [&](LoopCarried<V>& so_far, const F<V>& sample, const F<V>& most) {
-      const F<V> sum = select(first, F<V>(0.0F), so_far.get()) + min(max(sample, F<V>(0.0F)), most);
-      so_far.set(sum);
+    store_split<V>(to, item, io, [&](std::size_t channel, const F<V>& clamped) {
+      const F<V> sum = select(first, F<V>(0.0F), io.sums[channel].get()) + clamped;
+      io.sums[channel].set(sum);
       return sum * io.inverse_samples;
+    });
+  }
+
+  /// Stores the light and guide of pixel `to`, to which `sample` belongs. `mean(channel, value)` returns the mean of
+  /// the pixel's samples so far, with this one; channels 0 to 2 are those of the colour, 3 to 5 those of the albedo.
+  template <class V>
+  static void store_split(const I<V>& to, const I<V>& sample, SplitPorts<V, kHalf>& io, auto&& mean_of) {
+    const Vec3<V> colour = io.colours.load(sample).rgb;
+    const GuideRecord<V> guide = io.guides.load(sample);
+    const auto mean = [&](std::size_t channel, const F<V>& value, const F<V>& most) {
+      return mean_of(channel, min(max(value, F<V>(0.0F)), most));
     };
-    const Vec3<V> albedo{mean(io.albedo_red, guide.albedo.x, F<V>(1.0F)),
-                         mean(io.albedo_green, guide.albedo.y, F<V>(1.0F)),
-                         mean(io.albedo_blue, guide.albedo.z, F<V>(1.0F))};
+    const Vec3<V> albedo{mean(3, guide.albedo.x, F<V>(1.0F)), mean(4, guide.albedo.y, F<V>(1.0F)),
+                         mean(5, guide.albedo.z, F<V>(1.0F))};
     const M<V> is_diffuse = F<V>(kLeastAlbedo / 255) <= max_channel(albedo);
     const auto byte = [&](const F<V>& x) {
       return to_int(select(is_diffuse, max(x * 255.0F, F<V>(kLeastAlbedo)), F<V>(255.0F)) + 0.5F);
@@ -294,9 +309,8 @@ struct SplitLight {
     const auto divided = [](const F<V>& channel, const I<V>& albedo_byte) {
       return channel / (to_float(albedo_byte) * (1.0F / 255.0F));
     };
-    const Vec3<V> light{divided(mean(io.red, colour.x, io.most), red),
-                        divided(mean(io.green, colour.y, io.most), green),
-                        divided(mean(io.blue, colour.z, io.most), blue)};
+    const Vec3<V> light{divided(mean(0, colour.x, io.most), red), divided(mean(1, colour.y, io.most), green),
+                        divided(mean(2, colour.z, io.most), blue)};
     const auto steps = [](const F<V>& pixels) {
       return to_int(min(max(pixels * kMotionSteps + (kNoMotion + 0.5F), F<V>(0.0F)), F<V>(65535.0F)));
     };
@@ -305,6 +319,26 @@ struct SplitLight {
     io.guide_words.store(to, {pack_normal<V>(guide.normal * length), guide.depth});
     io.motions.store(to, {steps(guide.motion_x) | (steps(guide.motion_y) << 16U)});
     io.albedos.store(to, {red | (green << 8U) | (blue << 16U)});
+  }
+};
+
+/// Replaces split_light for pixels with one sample, in a tile buffer that also has samples of other tiles.
+template <bool kHalf>
+struct SplitGridLight {
+  static constexpr std::string_view kName = kHalf ? "split_grid_light" : "split_grid_light_float";
+  static constexpr std::string_view kMeaning = "pixel -> its sample's light without albedo, and its packed guide";
+  template <class V>
+  struct Ports : SplitPorts<V, kHalf> {
+    LatticeUniforms<V> lattice;  ///< indices of the samples of the tile's pixels
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.colours, p.guides, p.light, p.guide_words, p.motions, p.albedos, p.most));
+      LatticeUniforms<V>::describe(p.lattice, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    SplitLight<kHalf>::template store_split<V>(item, lattice_sample<V>(item, io.lattice), io,
+                                               [](std::size_t /*channel*/, const F<V>& clamped) { return clamped; });
   }
 };
 
@@ -329,6 +363,8 @@ struct TilePlaceUniforms {
 ///
 ///   light  = history + max(alpha, 1/n) (light - history)                    n: frames of the history with this one
 ///   mean   = mean + a (l - mean),  variance = (1 - a) (variance + a (l - mean)^2)      a = max(moments_alpha, 1/n)
+///
+/// The filter gets the variance of the accumulated light: variance max(alpha, 1/n).
 template <bool kHalf>
 struct AccumulateHistory {
   static constexpr std::string_view kName = kHalf ? "accumulate_history" : "accumulate_history_float";
@@ -374,7 +410,7 @@ struct AccumulateHistory {
     const F<V> change = l - past.mean;
     const F<V> variance = (past.deviation * past.deviation + change * change * moments_alpha) * (1.0F - moments_alpha);
     const F<V> known_variance = select(past.is_known, variance, F<V>(0.0F));
-    io.filtered.store(item, pack_light<V, kHalf>(select<V>(past.is_known, blended, light.rgb), known_variance));
+    io.filtered.store(item, pack_light<V, kHalf>(select<V>(past.is_known, blended, light.rgb), known_variance * alpha));
     io.moments.store(item, pack_moments<V, kHalf>(select(past.is_known, past.mean + change * moments_alpha, l),
                                                   sqrt(known_variance)));
     io.guide_words.store(item, {guide.normal | (to_int(length) << 24U), guide.depth});

@@ -71,7 +71,7 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
     }
   }
   RetainedRecords retained;
-  if (sink_ != nullptr) sink_->begin_tile(graph, generated, samples, out, retained);
+  if (sink_ != nullptr) sink_->begin_rays(graph, generated, samples, samples, out, retained);
   shade_rays(wave, generate, generated, samples, retained);
 
   sink_ != nullptr ? sink_->write_tile(graph, samples, samples_, out) : write_pixels(graph, samples, out);

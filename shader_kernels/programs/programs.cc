@@ -54,15 +54,23 @@ void check_effect_rate(const ProgramSpec& spec, EffectRate rate) {
 
 std::unique_ptr<FrameProgram> make_denoised(const ProgramSpec& spec, const Frame& f) {
   check_denoise(spec, f.render, f.programs.denoise);
+  check_effect_rate(spec, f.render.effect_rate);
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   const bool is_path = spec.kind == ProgramSpec::Kind::kPath;
   if (is_path) check_path_effects(parse_effects(f.render.effects));
+  const bool is_low_rate = f.render.effect_rate != EffectRate::kFull && f.render.has_low_rate_effects();
   const auto make = [&](const PixelSink& sink) -> std::unique_ptr<FrameProgram> {
+    if (is_low_rate) {
+      return std::make_unique<UpsampledProgram>(f.image, f.camera, f.render, f.programs.reconstruct, f.scene_size,
+                                                f.number, &sink);
+    }
     if (!is_path) return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number, &sink);
     return std::make_unique<PathProgram>(f.image, f.camera, f.render, f.programs.path, spec.samples, f.number, &sink);
   };
+  const FinishedTiles tiles = is_low_rate ? UpsampledProgram::tiles_of(f.render)
+                                          : FinishedTiles(f.render.width, f.render.height, f.render.tile / grid, 0);
   return std::make_unique<DenoisedProgram>(f.image, f.camera, f.render, f.programs.denoise, f.history, f.number,
-                                           NoisyProgram{std::max(1U, f.render.tile / grid), !is_path, make});
+                                           NoisyProgram{tiles, !is_path, make});
 }
 
 std::unique_ptr<FrameProgram> make_plain_program(const ProgramSpec& spec, const Frame& f) {
@@ -117,11 +125,6 @@ void check_denoise(const ProgramSpec& spec, const RenderConfig& render, const De
     throw sim::InputError(fmt::format(
         "denoise.filter: atrous: the program {} has no tiles of whole pixels to filter; allowed: off, full:N, path:N",
         spec.name()));
-  }
-  if (render.effect_rate != EffectRate::kFull && render.has_low_rate_effects()) {
-    throw sim::InputError(
-        "denoise.filter: atrous: effects at only some pixels have a filter of their own; allowed: off, or "
-        "render.effect_rate=full");
   }
   // Kernels compute pixel numbers in floats.
   constexpr std::uint64_t kMostPixels = 1U << 24;

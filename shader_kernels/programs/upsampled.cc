@@ -4,17 +4,18 @@ namespace kernels {
 
 UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                    const RenderConfig& config, const ReconstructConfig& filter, float scene_size,
-                                   std::uint32_t frame)
+                                   std::uint32_t frame, const PixelSink* sink)
     : FrameProgram(config.width, config.height),
       config_(config),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // half the tile side, because a sample keeps much data
+      tiles_(tiles_of(config)),
       order_(tiles_.sample_tiles().rendering_order(Halo::kReload)),
       frame_(frame),
       layers_(scene_.low_rate_light_count()),
       bend_(filter.bend_factor()),
-      eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
+      eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))),
+      sink_(sink) {}
 
 std::uint32_t UpsampledProgram::light_bytes_per_sample() const {
   const auto collected = static_cast<std::uint32_t>(scene_.has_bounce ? sizeof(ColourRecord<float>) : 0);
@@ -22,10 +23,11 @@ std::uint32_t UpsampledProgram::light_bytes_per_sample() const {
 }
 
 /// Returns the mean bytes per sample of a border. The outer half of the halo needs only visible fractions and geometry.
-/// The inner half, whose final colours the neighbour computes, needs all data.
+/// The inner half, whose final colours the neighbour computes, needs all data, for a denoiser also its guides.
 std::uint32_t UpsampledProgram::exchanged_bytes_per_sample() const {
   const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
-  return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;
+  const auto guides = static_cast<std::uint32_t>(sink_ != nullptr ? sizeof(GuideRecord<float>) : 0);
+  return shares + ((1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) + guides) / 2;
 }
 
 FrameRequirements UpsampledProgram::requirements() const {
@@ -63,7 +65,8 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   trace_pixels(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height);
   export_borders(tile);  // exported first: a border needs no halo, so no chain of tiles waits
   fill_halo(tile);
-  write_finished(tile, upsample_effects(tile));
+  upsample_effects(tile);
+  write_finished(tile);
   wave.finish();
   out.sampling.wanted = out.sampling.traced = out.work.samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
@@ -105,6 +108,9 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
   retained.low_rate = {.are_low_rate = true, .layer = buffer_position_count(), .grid = tile.grid};
   retained.cleared = generated;
+  if (sink_ != nullptr) {
+    sink_->begin_rays(graph, generated, pixels, buffer_position_count(), tile.out, retained);
+  }
   wave.run(generated, pixels, retained);
   if (scene_.has_bounce) take_bounce(tile, lattice, pixels);
 }
@@ -124,8 +130,7 @@ void UpsampledProgram::take_bounce(Tile& tile, const LatticeUniforms<float>& lat
 /// order. If the modelled tile reads these samples from memory, the recorded work is a transfer instead.
 void UpsampledProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
-    tile.graph.import_samples(part.border,
-                              stored_bytes_per_tile() * part.border.tile + part.first * exchanged_bytes_per_sample(),
+    tile.graph.import_samples(part.border, stored_address(part.border.tile) + part.first * exchanged_bytes_per_sample(),
                               part.across * part.down * exchanged_bytes_per_sample());
     tile.graph.pause_recording();
     trace_pixels(tile, part.x, part.y, part.across, part.down);
@@ -134,20 +139,19 @@ void UpsampledProgram::fill_halo(Tile& tile) const {
 }
 
 void UpsampledProgram::export_borders(Tile& tile) const {
-  const std::uint64_t store = stored_bytes_per_tile() * tile.at.index;
+  const std::uint64_t store = stored_address(tile.at.index);
   tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
     tile.graph.export_samples(border, store + first * exchanged_bytes_per_sample(),
                               samples * exchanged_bytes_per_sample());
   });
 }
 
-UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
-  return config_.effect_rate == EffectRate::kCheckerboard ? upsample_effects<true>(tile)
-                                                          : upsample_effects<false>(tile);
+void UpsampledProgram::upsample_effects(Tile& tile) const {
+  config_.effect_rate == EffectRate::kCheckerboard ? upsample_effects<true>(tile) : upsample_effects<false>(tile);
 }
 
 template <bool kCheckerboard>
-UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
+void UpsampledProgram::upsample_effects(Tile& tile) const {
   Node last = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     typename UpsampleEffects<kCheckerboard>::template Ports<float> ports;
@@ -164,18 +168,20 @@ UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
     tile.graph.wait_for_all(next, last);
     last = next;
   }
-  return last;
+  if (layers_ != 0) tile.graph.replace_colour_writers(last);
 }
 
-void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
+void UpsampledProgram::write_finished(Tile& tile) const {
   TileGraph& graph = tile.graph;
   const FinishedUniforms<float>& finished = tile.finished;
+  const LatticeUniforms<float> lattice{finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
+  if (sink_ != nullptr) return sink_->write_grid(graph, lattice, tile.out);
   const std::uint64_t offset = std::uint64_t{tile.at.index} * tiles_.most_pixels() * kPixelBytes;
   if (scene_.fuses && !scene_.dma_encodes) {
     PackGridSample::Ports<float> ports;
-    ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
+    ports.lattice = lattice;
     const Node packed = graph.launch<PackGridSample>(ports, tile.pixels);
-    graph.wait_for_all(packed, upsampled);
+    graph.wait_for_colour_writers(packed);
     graph.write_packed_pixels(packed, offset);
     return;
   }
@@ -187,7 +193,7 @@ void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
   ports.first = finished.first;
   ports.pitch = finished.pitch;
   const Node shown = graph.launch<AverageSamples>(ports, tile.pixels);
-  graph.wait_for_all(shown, upsampled);
+  graph.wait_for_colour_writers(shown);
   graph.write_pixels(shown, offset);
 }
 

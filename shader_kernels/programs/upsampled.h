@@ -6,6 +6,7 @@
 #include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/block_tile.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/pixel_sink.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "shader_kernels/programs/wavefront/wavefront.h"
@@ -17,15 +18,22 @@ namespace kernels {
 /// (docs/design/effects.md).
 ///
 ///   per tile: generate_centred_rays -> shading without these effects -> unblocked light of all samples, visible
-///             fractions of some -> [halo] -> upsample_effects (per light) -> pack_grid_sample
+///             fractions of some -> [halo] -> upsample_effects (per light) -> pack_grid_sample, or the sink
 ///
 /// Each sample in the tile buffer is a pixel of the tile or its halo. Its data for light l are at its own index plus
 /// l times the number of samples.
 class UpsampledProgram final : public FrameProgram {
  public:
-  /// `scene_size` is the longest side of the scene's bounds, the same in all frames.
+  /// `scene_size` is the longest side of the scene's bounds, the same in all frames. `sink` receives the pixels; null:
+  /// they go to the frame buffer.
   UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-                   const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
+                   const ReconstructConfig& filter, float scene_size, std::uint32_t frame,
+                   const PixelSink* sink = nullptr);
+
+  /// Returns the tiles of a frame. Their sides are half those of other programs, because a sample keeps much data.
+  static FinishedTiles tiles_of(const RenderConfig& config) {
+    return {config.width, config.height, config.tile / 2, 1};
+  }
 
   std::uint32_t tiles() const override { return tiles_.tile_count(); }
   TileGridSize tile_grid_size() const override {
@@ -53,15 +61,19 @@ class UpsampledProgram final : public FrameProgram {
   std::uint32_t light_bytes_per_sample() const;
   std::uint32_t exchanged_bytes_per_sample() const;
   std::uint64_t stored_bytes_per_tile() const { return tiles_.stored_samples() * exchanged_bytes_per_sample(); }
+  /// Returns the address in region kSamples of the border samples of a tile.
+  std::uint64_t stored_address(std::uint32_t tile) const {
+    return (sink_ != nullptr ? sink_->memory_end() : 0) + stored_bytes_per_tile() * tile;
+  }
   void trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
   void take_bounce(Tile& tile, const LatticeUniforms<float>& lattice, std::uint32_t pixels) const;
   void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
-  Node upsample_effects(Tile& tile) const;
+  void upsample_effects(Tile& tile) const;
   template <bool kCheckerboard>
-  Node upsample_effects(Tile& tile) const;
-  /// Packs and writes the finished pixels after the launch `upsampled`.
-  void write_finished(Tile& tile, Node upsampled) const;
+  void upsample_effects(Tile& tile) const;
+  /// Packs and writes the finished pixels.
+  void write_finished(Tile& tile) const;
 
   const RenderConfig config_;
   const SceneTables scene_;
@@ -71,6 +83,7 @@ class UpsampledProgram final : public FrameProgram {
   const std::uint32_t frame_, layers_;
   const float bend_;
   const EyeUniforms<float> eye_;
+  const PixelSink* const sink_;
 };
 
 }  // namespace kernels

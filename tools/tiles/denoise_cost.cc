@@ -28,7 +28,7 @@ bool is_of_denoiser(const kernels::TileSummaries& summaries, std::size_t tile) {
 
 DenoiseCost external_cost(const RunConfig& config) {
   const kernels::DenoiseConfig& denoise = config.programs.denoise;
-  const double pixels = static_cast<double>(config.render.width) * config.render.height;
+  const double pixels = std::pow(denoise.external_upscaling, 2) * config.render.width * config.render.height;
   constexpr double kFemtosecondsPerNanosecond = 1e6;
   return {.is_external = true,
           .time = static_cast<sim::Time>(std::llround(denoise.external_time * pixels * kFemtosecondsPerNanosecond)),

@@ -96,8 +96,9 @@ class FinishedTiles {
   /// own.
   std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
   std::uint32_t buffer_sample_count() const { return row_pitch() * row_pitch(); }
-  /// Returns the largest number of pixels whose final colours one tile computes.
-  std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
+  /// Returns the longest side, in pixels, of the rectangle whose final colours one tile computes.
+  std::uint32_t most_side() const { return tile_side() + reach_; }
+  std::uint32_t most_pixels() const { return most_side() * most_side(); }
   /// Sets in `out` the rectangle of the picture whose final colours a tile computes.
   void set_finished_rect(const SampleTile& at, TileResult& out) const;
   /// Returns for which pixels a tile computes the final colours, and where their samples are in the tile buffer.

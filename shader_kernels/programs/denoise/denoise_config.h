@@ -22,9 +22,10 @@ struct DenoiseConfig {
   HistoryPrecision history = HistoryPrecision::kHalf;
   double alpha = 0.05, moments_alpha = 0.2;
   std::uint32_t history_cap = 32;
-  double phi_colour = 10, phi_normal = 128, phi_depth = 1;
+  double phi_colour = 4, phi_normal = 128, phi_depth = 1;
   double depth_tolerance = 0.05, normal_tolerance = 0.9;
   double external_time = 2.6, external_bytes = 13.6, external_energy = 2950;
+  double external_upscaling = 1;
 
   bool has_kernels() const { return filter == DenoiseFilter::kAtrous; }
 
@@ -52,12 +53,14 @@ struct DenoiseConfig {
           sim::between(0, 1), Affects::kFunction);
     field(NAMED(c.normal_tolerance), "", "least dot product of normals of a pixel and its history", sim::between(-1, 1),
           Affects::kFunction);
-    field(NAMED(c.external_time), "ns", "time of the external unit per pixel, after the frame", sim::between(0, 1e6),
+    field(NAMED(c.external_time), "ns", "time of the external unit per output pixel, after the frame",
+          sim::between(0, 1e6), Affects::kEnergy);
+    field(NAMED(c.external_bytes), "bytes", "DRAM traffic of the external unit per output pixel", sim::between(0, 1e6),
           Affects::kEnergy);
-    field(NAMED(c.external_bytes), "bytes", "DRAM traffic of the external unit per pixel", sim::between(0, 1e6),
-          Affects::kEnergy);
-    field(NAMED(c.external_energy), "pJ", "energy of the external unit per pixel, with its DRAM traffic",
+    field(NAMED(c.external_energy), "pJ", "energy of the external unit per output pixel, with its DRAM traffic",
           sim::between(0, 1e9), Affects::kEnergy);
+    field(NAMED(c.external_upscaling), "", "pixels of the external unit's output for one of the frame, along each side",
+          sim::between(1, 16), Affects::kEnergy);
   }
 };
 

@@ -15,8 +15,6 @@ namespace {
 
 constexpr auto kSamplesRegion = static_cast<std::size_t>(Region::kSamples);
 
-std::uint32_t tiles_across(std::uint32_t pixels, std::uint32_t side) { return (pixels + side - 1) / side; }
-
 template <class T>
 void copy_array(std::vector<std::uint32_t>& to, std::uint64_t begin, const std::vector<std::uint32_t>& from, T bytes) {
   std::memcpy(to.data() + begin / 4, from.data() + begin / 4, bytes);
@@ -60,14 +58,13 @@ DenoisedProgram::DenoisedProgram(const traces::MemoryImage& image, const traces:
       scene_(image, render),
       most_(noisy.clamps_samples ? 1.0F : kLargestHalf),
       frame_(frame),
-      side_(noisy.tile_side),
-      across_(tiles_across(render.width, side_)),
-      tile_count_(across_ * tiles_across(render.height, side_)),
+      tiles_(noisy.tiles),
+      tile_count_(tiles_.tile_count()),
       bytes_(denoise.history),
       projection_(projection_of(camera_uniforms(camera, render.width, render.height))),
       has_moved_(history != nullptr && has_moved_since(*history, image)),
       parity_(history != nullptr ? history->parity ^ 1U : 0),
-      layout_(bytes_, std::uint64_t{render.width} * render.height, tile_count_, std::uint64_t{side_} * side_,
+      layout_(bytes_, std::uint64_t{render.width} * render.height, tile_count_, tiles_.most_pixels(),
               has_moved_ ? image.triangles.size() : 0),
       memory_(std::make_shared<std::vector<std::uint32_t>>(layout_.end / 4)),
       guides_{{projection_, history != nullptr ? history->projection : projection_},
@@ -96,15 +93,15 @@ DenoisedProgram::DenoisedProgram(const traces::MemoryImage& image, const traces:
 
 FrameRequirements DenoisedProgram::requirements() const {
   FrameRequirements needs = program_->requirements();
-  const std::uint32_t pixels = side_ * side_;
-  const std::uint32_t halo_side = side_ + 2 * kMostHalo,
+  const std::uint32_t pixels = tiles_.most_pixels();
+  const std::uint32_t halo_side = tiles_.most_side() + 2 * kMostHalo,
                       taps = sizeof(LightRecord<float>) + sizeof(GuideTapRecord<float>);
   needs.attribute_bytes +=
       needs.tile_samples * static_cast<std::uint32_t>(sizeof(GuideRecord<float>)) + pixels * bytes_.block();
   const std::uint32_t accumulated = pixels * (bytes_.block() + bytes_.light + bytes_.moments);
   const std::uint32_t filtered = halo_side * halo_side * (bytes_.light + bytes_.guide + taps) + pixels * bytes_.light;
   needs.pass_attribute_bytes = denoise_.iterations == 0 ? accumulated : std::max(accumulated, filtered);
-  needs.region_bytes[kSamplesRegion] = layout_.end;
+  needs.region_bytes[kSamplesRegion] += layout_.end;
   return needs;
 }
 
@@ -125,10 +122,7 @@ void DenoisedProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& t
                                TileResult& out) const {
   if (tile_index < tile_count_) return program_->run_tile(tile_index, tracer, record, out);
   const std::uint32_t index = tile_index % tile_count_;
-  out.x = index % across_ * side_;
-  out.y = index / across_ * side_;
-  out.width = std::min(side_, render_.width - out.x);
-  out.height = std::min(side_, render_.height - out.y);
+  tiles_.set_finished_rect(tiles_.sample_tiles().sample_tile(index), out);
   out.tile = out.work.tile = tile_index;
   out.rays = {};
   out.continued = out.traversal_steps = out.triangle_tests = 0;
@@ -144,18 +138,18 @@ void DenoisedProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& t
   out.work.after_all = index == 0;
   Tile tile{index, {out.x, out.y, out.width, out.height}, graph, out};
   const std::uint32_t pass = tile_index / tile_count_;
-  denoise_.history == HistoryPrecision::kHalf ? run_filter_tile<true>(pass, tile) : run_filter_tile<false>(pass, tile);
+  is_half() ? run_filter_tile<true>(pass, tile) : run_filter_tile<false>(pass, tile);
   graph.finish();
 }
 
 // Pass of the program.
 
-void DenoisedProgram::begin_tile(TileGraph& graph, Node generated, std::uint32_t samples, TileResult& out,
-                                 RetainedRecords& retained) const {
-  out.buffer.reserve_denoise(samples, side_ * side_);
+void DenoisedProgram::begin_rays(TileGraph& graph, Node generated, std::uint32_t rays, std::uint32_t samples,
+                                 TileResult& out, RetainedRecords& retained) const {
+  out.buffer.reserve_denoise(samples, tiles_.most_pixels());
   ClearGuides::Ports<float> ports;
   ports.motion = guides_.motion;
-  retained.cleared = graph.launch<ClearGuides>(ports, samples);
+  retained.cleared = graph.launch<ClearGuides>(ports, rays);
   retained.guides = &guides_;
   graph.wait_item_by_item(retained.cleared, generated);
   graph.register_record_writer(retained.cleared);
@@ -163,21 +157,36 @@ void DenoisedProgram::begin_tile(TileGraph& graph, Node generated, std::uint32_t
 
 void DenoisedProgram::write_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel,
                                  TileResult& out) const {
-  denoise_.history == HistoryPrecision::kHalf ? split_light<true>(graph, samples, per_pixel, out)
-                                              : split_light<false>(graph, samples, per_pixel, out);
+  is_half() ? split_tile<true>(graph, samples, per_pixel, out) : split_tile<false>(graph, samples, per_pixel, out);
+}
+
+void DenoisedProgram::write_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const {
+  is_half() ? split_grid<true>(graph, lattice, out) : split_grid<false>(graph, lattice, out);
 }
 
 template <bool kHalf>
-void DenoisedProgram::split_light(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel,
-                                  TileResult& out) const {
+void DenoisedProgram::split_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel,
+                                 TileResult& out) const {
   typename SplitLight<kHalf>::template Ports<float> ports;
   ports.samples = static_cast<float>(per_pixel);
   ports.inverse_samples = 1.0F / static_cast<float>(per_pixel);
   ports.most = most_;
-  const Node split_launch = graph.launch<SplitLight<kHalf>>(ports, samples);
-  graph.wait_for_colour_writers(split_launch);
-  graph.wait_for_record_writers(split_launch);
-  const std::uint32_t pixels = samples / per_pixel;
+  write_block<kHalf>(graph, graph.launch<SplitLight<kHalf>>(ports, samples), samples / per_pixel, out);
+}
+
+template <bool kHalf>
+void DenoisedProgram::split_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const {
+  typename SplitGridLight<kHalf>::template Ports<float> ports;
+  ports.lattice = lattice;
+  ports.most = most_;
+  const std::uint32_t pixels = out.width * out.height;
+  write_block<kHalf>(graph, graph.launch<SplitGridLight<kHalf>>(ports, pixels), pixels, out);
+}
+
+template <bool kHalf>
+void DenoisedProgram::write_block(TileGraph& graph, Node split, std::uint32_t pixels, TileResult& out) const {
+  graph.wait_for_colour_writers(split);
+  graph.wait_for_record_writers(split);
   std::byte* to = reinterpret_cast<std::byte*>(memory_->data()) + block_address(out.tile);
   const auto append = [&](const auto& array, std::uint32_t record_bytes) {
     std::memcpy(to, array.data(), std::size_t{pixels} * record_bytes);
@@ -189,14 +198,15 @@ void DenoisedProgram::split_light(TileGraph& graph, std::uint32_t samples, std::
   append(records.motions, bytes_.motion);
   append(records.albedos, bytes_.albedo);
   graph.wait_for_all(graph.add_transfer(Region::kSamples, true, block_address(out.tile), pixels * bytes_.block()),
-                     split_launch);
+                     split);
 }
 
 // Later passes.
 
 template <bool kHalf>
 void DenoisedProgram::run_filter_tile(std::uint32_t pass, Tile& tile) const {
-  tile.out.buffer.reserve_denoise(0, std::size_t{side_ + 2 * kMostHalo} * (side_ + 2 * kMostHalo));
+  const std::size_t halo_side = tiles_.most_side() + 2 * kMostHalo;
+  tile.out.buffer.reserve_denoise(0, halo_side * halo_side);
   if (pass == 1) return accumulate<kHalf>(tile);
   const std::uint32_t iteration = pass - 1;
   if (iteration > denoise_.iterations) return modulate<kHalf>(tile);
@@ -297,7 +307,7 @@ void DenoisedProgram::modulate(Tile& tile) const {
   typename ModulateAlbedo<kHalf>::template Ports<float> ports;
   const Node modulated = graph.launch<ModulateAlbedo<kHalf>>(ports, pixels);
   graph.wait_for_record_writers(modulated);
-  graph.write_pixels(modulated, std::uint64_t{tile.index} * side_ * side_ * kPixelBytes);
+  graph.write_pixels(modulated, std::uint64_t{tile.index} * tiles_.most_pixels() * kPixelBytes);
 }
 
 // Memory.
@@ -310,11 +320,11 @@ std::uint64_t DenoisedProgram::light_after(std::uint32_t iteration) const {
 }
 
 std::uint64_t DenoisedProgram::block_address(std::uint32_t tile) const {
-  return layout_.blocks + std::uint64_t{tile} * side_ * side_ * bytes_.block();
+  return layout_.blocks + std::uint64_t{tile} * tiles_.most_pixels() * bytes_.block();
 }
 
 std::uint64_t DenoisedProgram::tile_light_address(std::uint32_t tile) const {
-  return light_after(denoise_.iterations) + std::uint64_t{tile} * side_ * side_ * bytes_.light;
+  return light_after(denoise_.iterations) + std::uint64_t{tile} * tiles_.most_pixels() * bytes_.light;
 }
 
 void DenoisedProgram::read(TileGraph& graph, std::uint64_t address, void* to, std::uint32_t bytes) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "shader_kernels/kernels/denoise.h"
+#include "shader_kernels/programs/adaptive/block_tile.h"
 #include "shader_kernels/programs/denoise/denoise_config.h"
 #include "shader_kernels/programs/denoise/history.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
@@ -17,21 +18,21 @@ namespace kernels {
 
 /// The program whose picture is denoised.
 struct NoisyProgram {
-  std::uint32_t tile_side = 1;  ///< side of its tiles in pixels
-  bool clamps_samples = true;   ///< a pixel is the mean of samples clamped to [0, 1]
+  FinishedTiles tiles;
+  bool clamps_samples = true;  ///< a pixel is the mean of samples clamped to [0, 1]
   std::function<std::unique_ptr<FrameProgram>(const PixelSink& sink)> make;  ///< its tiles go to the sink
 };
 
 /// Wraps a frame program of tiles of whole pixels and filters its noise (Schied et al. 2017). Each pass covers the
-/// program's tiles once:
+/// pixels that the program's tiles finish once:
 ///
 ///   program      tiles -> split_light -> block of the tile: light without albedo, guide, motion, albedo
 ///   accumulate   block, history of the previous frame (through the data cache) -> light, history of this frame
 ///   filter x N   light and guides of tile and halo -> light; the first iteration's light becomes the history's
 ///   modulate     light, albedo -> pixels of the frame buffer
 ///
-/// 1. All data between passes are in region kSamples, whose contents are `memory_`: the host copies what transfers
-/// move.
+/// 1. All data between passes are at the beginning of region kSamples. Their contents are `memory_`: the host copies
+/// what transfers move. The program's own data follow.
 /// 2. Filters with taps up to kMostHalo pixels away read tile and halo by DMA, row by row. Wider ones read all taps
 /// through the data cache.
 /// 3. Light that only modulate_albedo reads is stored tile by tile, all other arrays row by row.
@@ -72,13 +73,21 @@ class DenoisedProgram final : public FrameProgram, private PixelSink {
   };
 
   // Pass of the program (PixelSink).
-  void begin_tile(TileGraph& graph, Node generated, std::uint32_t samples, TileResult& out,
+  void begin_rays(TileGraph& graph, Node generated, std::uint32_t rays, std::uint32_t samples, TileResult& out,
                   RetainedRecords& retained) const override;
   void write_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel, TileResult& out) const override;
+  void write_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const override;
+  std::uint64_t memory_end() const override { return layout_.end; }
   template <bool kHalf>
-  void split_light(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel, TileResult& out) const;
+  void split_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel, TileResult& out) const;
+  template <bool kHalf>
+  void split_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const;
+  /// Writes the block of a tile, after the launch `split`.
+  template <bool kHalf>
+  void write_block(TileGraph& graph, Node split, std::uint32_t pixels, TileResult& out) const;
 
   // Later passes.
+  bool is_half() const { return denoise_.history == HistoryPrecision::kHalf; }
   std::uint32_t pass_count() const { return 3 + denoise_.iterations; }
   template <bool kHalf>
   void run_filter_tile(std::uint32_t pass, Tile& tile) const;
@@ -110,7 +119,9 @@ class DenoisedProgram final : public FrameProgram, private PixelSink {
   const DenoiseConfig denoise_;
   const SceneTables scene_;
   const float most_;  ///< largest channel of a sample that counts
-  const std::uint32_t frame_, side_, across_, tile_count_;
+  const std::uint32_t frame_;
+  const FinishedTiles tiles_;
+  const std::uint32_t tile_count_;
   const DenoiseRecordBytes bytes_;
   const ProjectionUniforms<float> projection_;
   const bool has_moved_;

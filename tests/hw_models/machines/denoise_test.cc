@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/machines/gpu_harness.h"
+#include "traces/scenes/library.h"
 
 // Tests of the denoiser's passes on whole machines.
 
@@ -29,6 +30,26 @@ TEST(Denoise, AllEnginesAndThreadsAgree) {
   EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
   EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
   const Outcome threads = play(method, config, Engine::kFast, 0, 2);
+  EXPECT_EQ(difference(fast, threads), "");
+  EXPECT_EQ(difference(fast.function, threads.function), "");
+}
+
+TEST(Denoise, OfEffectsAtALowerRateAllEnginesAndThreadsAgree) {
+  kernels::RenderConfig render;
+  render.width = 20;
+  render.height = 13;
+  render.tile = 8;
+  render.depth = 2;
+  render.primary = kernels::Primary::kRaster;
+  render.effects = "shadows, bounce";
+  render.effect_rate = kernels::EffectRate::kHalf;
+  const Method method(traces::open_scene("cornell"), "full:1", with_iterations(4), render);
+  GpuConfig config;
+  config.cores = 2;
+  const Outcome fast = play(method, config);
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
+  const Outcome threads = play(method, config, Engine::kFast, 0, 3);
   EXPECT_EQ(difference(fast, threads), "");
   EXPECT_EQ(difference(fast.function, threads.function), "");
 }

@@ -22,14 +22,17 @@ inline constexpr Hand kDenoiseByHand[] = {
     // scalar; light, normal; 2 shift, 2 or.
     {"split_light", {16, 26, 3, 26, 2, 10, 22, 13, 2, 4, 0}},
     {"split_light_float", {16, 22, 3, 22, 2, 10, 10, 13, 2, 4, 0}},
+    // Lattice_sample instead of div_mod, compare, to_int; without 6 (select, add, mul).
+    {"split_grid_light", {12, 22, 3, 26, 1, 4, 22, 13, 2, 4, 0}},
+    {"split_grid_light_float", {12, 18, 3, 22, 1, 4, 10, 13, 2, 4, 0}},
     // Operations: light; to_float, div_mod; and, shift; 2 (to_float, sub, mul, 2 add); 2 (floor, sub), 4 sub, 4 add;
     // mul, normal. 4 taps: 4 compare, 3 and; mul, add, select, to_int; light without its fourth value, moments, normal;
     // shift, to_float; vector sub, dot, 2 compare, sub, abs, mul; compare, 3 and; mul, select. Sums: mul; 3 (5 sub, 5
     // mul, mul, 2 add), 2 (5 add). Compare, max, div, mul, select, 5 mul, 5 add. Add, floor, add, min, div, 2 max; 3
-    // sub, 3 mul, 3 add; luminance, sub, 3 mul, add, sub, mul; 5 select; mul, add, sqrt; light, moments; to_int, shift,
+    // sub, 3 mul, 3 add; luminance, sub, 4 mul, add, sub, mul; 5 select; mul, add, sqrt; light, moments; to_int, shift,
     // or.
-    {"accumulate_history", {96, 95, 3, 18, 29, 14, 123, 27, 3, 3, 12}},
-    {"accumulate_history_float", {96, 65, 3, 12, 29, 14, 57, 27, 3, 3, 12}},
+    {"accumulate_history", {96, 96, 3, 18, 29, 14, 123, 27, 3, 3, 12}},
+    {"accumulate_history_float", {96, 66, 3, 12, 29, 14, 57, 27, 3, 3, 12}},
     {"unpack_taps", {0, 4, 0, 0, 0, 0, 13, 3, 2, 2, 0}},
     {"unpack_taps_float", {0, 0, 0, 0, 0, 0, 5, 3, 2, 2, 0}},
     // The first iteration: as later ones, but per tap decay, and, select, 2 mul, 4 add more; 2 div, sub, 3 mul, max; a

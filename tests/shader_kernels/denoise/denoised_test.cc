@@ -15,6 +15,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "sim/error.h"
 #include "tests/shader_kernels/harness.h"
+#include "tests/shader_kernels/showcase.h"
 
 namespace kernels {
 namespace {
@@ -214,6 +215,19 @@ TEST(Denoised, FilterAndHistoryEachRemoveNoise) {
   EXPECT_LT(squared_distance(unfiltered.next(), truth), 0.3 * noisy) << "the mean of eight frames";
 }
 
+TEST(Denoised, AStillPictureHardlySoftensFromFrameToFrame) {
+  // The history is filtered once in each frame, so that shadows would blur if weights did not follow its variance.
+  Sequence frames(penumbra(), soft());
+  Sequence exact = frames;
+  exact.render.shadow_rays = 64;
+  const std::vector<float> truth = exact.noisy(0);
+  frames.denoise().iterations = 1;
+  for (std::uint32_t i = 0; i < 3; ++i) frames.next();
+  const double early = squared_distance(frames.next(), truth);
+  for (std::uint32_t i = 0; i < 11; ++i) frames.next();
+  EXPECT_LT(squared_distance(frames.next(), truth), 2 * early);
+}
+
 TEST(Denoised, PicturesDoNotDependOnTileSize) {
   std::vector<std::vector<float>> pictures;
   for (const std::uint32_t tile : {8U, 16U, 32U}) {
@@ -305,9 +319,123 @@ TEST(Denoised, WhatCannotBeDenoisedIsRefused) {
   Sequence frames(penumbra(), soft());
   frames.name = "multirate:under";
   EXPECT_THROW(frames.next(), sim::InputError);
-  frames.name = "full:1";
+  frames.name = "full:4";
+  EXPECT_NO_THROW(frames.next());
   frames.render.effect_rate = EffectRate::kHalf;
   EXPECT_THROW(frames.next(), sim::InputError);
+}
+
+// Effects at a lower rate, whose tiles finish pixels that they share with their neighbours.
+
+constexpr EffectRate kFilteredRates[] = {EffectRate::kHalf, EffectRate::kCheckerboard};
+
+RenderConfig at_rate(EffectRate rate, RenderConfig config) {
+  config.effect_rate = rate;
+  return config;
+}
+
+TEST(DenoisedLowRate, ConstantLightStaysConstantBitForBit) {
+  for (const EffectRate rate : kFilteredRates) {
+    for (const char* effects : {"occlusion", "bounce"}) {
+      for (const HistoryPrecision precision : {HistoryPrecision::kHalf, HistoryPrecision::kFloat}) {
+        RenderConfig config = at_rate(rate, small(37, 21));
+        config.effects = effects;
+        config.tile = 16;
+        Sequence frames(furnace(glm::vec3(1)), config);
+        frames.denoise().history = precision;
+        frames.denoise().iterations = 5;
+        for (std::uint32_t i = 0; i < 3; ++i) {
+          for (const float channel : frames.next()) ASSERT_EQ(channel, 0.75F) << effects << " in frame " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(DenoisedLowRate, WithoutHistoryAndFilterThePictureIsThatOfTheProgram) {
+  for (const EffectRate rate : kFilteredRates) {
+    RenderConfig config = at_rate(rate, small(67, 37));
+    config.effects = "occlusion, soft_shadows, reflections, refractions";
+    config.tile = 16;
+    Sequence frames(showcase_scene(), config);
+    frames.denoise().iterations = 0;
+    frames.denoise().history = HistoryPrecision::kFloat;
+    const std::vector<float> plain = frames.noisy(0), shown = frames.next();
+    for (std::size_t i = 0; i < plain.size(); ++i) ASSERT_NEAR(shown[i], plain[i], 2e-6F) << i;
+  }
+}
+
+TEST(DenoisedLowRate, PicturesDoNotDependOnTileSizeOrRecording) {
+  for (const EffectRate rate : kFilteredRates) {
+    std::vector<std::vector<float>> pictures;
+    for (const std::uint32_t tile : {8U, 16U, 34U, 128U}) {
+      RenderConfig config = at_rate(rate, soft(35, 19));
+      config.tile = tile;
+      Sequence frames(penumbra(), config);
+      frames.denoise().iterations = 5;
+      frames.next();
+      pictures.push_back(frames.next(tile == 16, [](const TileResult&) {}));
+    }
+    for (const std::vector<float>& picture : pictures) EXPECT_EQ(picture, pictures[0]);
+  }
+}
+
+TEST(DenoisedLowRate, GuidesAreThoseOfTheFullRate) {
+  const auto moved = [](const RenderConfig& config) {
+    Sequence frames(penumbra(), config);
+    frames.denoise().iterations = 0;
+    frames.next();
+    frames.scene.cameras.front() = traces::look_at("turned", {0, 0, 20}, {1, 0, 0}, 0.5F);
+    return motions_of(frames);
+  };
+  const Motions full = moved(soft());
+  for (const EffectRate rate : kFilteredRates) {
+    const Motions lower = moved(at_rate(rate, soft()));
+    EXPECT_EQ(lower.by_pixel, full.by_pixel);
+    EXPECT_EQ(lower.lengths, full.lengths);
+  }
+}
+
+TEST(DenoisedLowRate, TransfersOfBordersAndOfTheDenoiserDoNotOverlap) {
+  RenderConfig config = at_rate(EffectRate::kHalf, soft(35, 19));
+  config.tile = 16;
+  Sequence frames(penumbra(), config);
+  frames.denoise().iterations = 5;
+  std::uint64_t denoiser_end = 0, border_begin = ~std::uint64_t{0}, borders = 0;
+  frames.next(true, [&](const TileResult& tile) {
+    for (std::uint32_t n = 0; n < tile.work.nodes.size(); ++n) {
+      const WorkNode& node = tile.work.nodes[n];
+      for (const traces::Edge& edge : node.inputs) EXPECT_LT(edge.node, n);
+      if (node.kind != WorkNode::Kind::kTransfer) continue;
+      EXPECT_LE(node.offset + node.items, frames.needs.region_bytes[static_cast<std::size_t>(node.region)]);
+      if (node.region != Region::kSamples) continue;
+      // A tile of the program writes its block last.
+      const bool is_border = tile.tile < frames.tiles && n + 1 != tile.work.nodes.size();
+      if (is_border) {
+        borders += 1;
+        border_begin = std::min(border_begin, node.offset);
+      } else {
+        denoiser_end = std::max(denoiser_end, node.offset + node.items);
+      }
+    }
+  });
+  EXPECT_GT(borders, 0U);
+  EXPECT_LE(denoiser_end, border_begin);
+}
+
+TEST(DenoisedLowRate, FilterAndHistoryEachRemoveNoise) {
+  for (const EffectRate rate : kFilteredRates) {
+    Sequence filtered(penumbra(), at_rate(rate, soft()));
+    Sequence exact = filtered, unfiltered = filtered;
+    exact.render.shadow_rays = 64;
+    const std::vector<float> truth = exact.noisy(0);
+    const double noisy = squared_distance(filtered.noisy(0), truth);
+    filtered.denoise().iterations = 1;
+    EXPECT_LT(squared_distance(filtered.next(), truth), 0.5 * noisy);
+    unfiltered.denoise().iterations = 0;
+    for (std::uint32_t i = 0; i < 7; ++i) unfiltered.next();
+    EXPECT_LT(squared_distance(unfiltered.next(), truth), 0.3 * noisy) << "the mean of eight frames";
+  }
 }
 
 }  // namespace

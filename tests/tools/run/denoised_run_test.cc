@@ -68,6 +68,15 @@ TEST_F(DenoisedRun, AnExternalUnitAddsItsCostsAndNothingElse) {
               1e-9);
 }
 
+TEST_F(DenoisedRun, AnExternalUnitCostsItsOutputPixels) {
+  const Words unit = {"--set", "denoise.filter=external"};
+  const Json same = run("same", unit)["totals"]["denoise"];
+  const Json upscaled = run("upscaled", joined({unit, {"--set", "denoise.external_upscaling=2"}}))["totals"]["denoise"];
+  for (const char* cost : {"time_ms", "dram_bytes", "energy_mj"}) {
+    EXPECT_NEAR(upscaled[cost].get<double>() / same[cost].get<double>(), 4, 1e-3) << cost;
+  }
+}
+
 TEST_F(DenoisedRun, ThreadsChangeNothing) {
   const Json one = run("one", joined({kAtrous, {"--frames", "0:1"}}));
   const Json three = run("three", joined({kAtrous, {"--frames", "0:1"}}), "3");

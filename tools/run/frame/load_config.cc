@@ -34,7 +34,7 @@ namespace tools {
 namespace {
 
 /// Top-level keys that a workload file may have: they define the rendered work, not the machine.
-constexpr std::array<std::string_view, 4> kWorkloadKeys = {"scene", "render", "bvh", "build"};
+constexpr std::array<std::string_view, 5> kWorkloadKeys = {"scene", "render", "bvh", "build", "denoise"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
   loader.apply_file_with_keys(file, kWorkloadKeys);

@@ -32,6 +32,17 @@ TEST(Resolution, OverridesTheConfigurationAndItsSets) {
   EXPECT_EQ(config.render.height, 24U);
 }
 
+TEST(Workload, MobileM3IsTheInputOfAnUpscalerToTheSizeOfMobileM4) {
+  tools::JobOptions options;
+  options.scene = "mobile-m3";
+  const tools::RunConfig small = tools::load_run_config(options);
+  options.scene = "mobile-m4";
+  const tools::RunConfig full = tools::load_run_config(options);
+  EXPECT_EQ(small.programs.denoise.external_upscaling * small.render.width, full.render.width);
+  EXPECT_EQ(small.programs.denoise.external_upscaling * small.render.height, full.render.height);
+  EXPECT_EQ(full.programs.denoise.external_upscaling, 1);
+}
+
 TEST(Threads, AreAllOfTheHostUnlessGiven) {
   EXPECT_EQ(tools::host_threads(3), 3U);
   EXPECT_GE(tools::host_threads(0), 1U);
