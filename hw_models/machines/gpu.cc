@@ -52,8 +52,7 @@ Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * 
 std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu::Workload& workload,
                                               std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
-  Addr next =
-      round_up_to_lines(workload.image.layout.frame_buffer + parent_table_bytes(workload.image, config.tni.trv.stack));
+  Addr next = round_up_to_lines(workload.image.layout.frame_buffer + tree_table_bytes(workload.image, config.tni.trv));
   for (std::size_t region = 0; region < kRegions; ++region) {
     if (region == static_cast<std::size_t>(traces::Region::kTree)) {
       areas[region] = workload.image.layout.nodes;  // not set aside: the tree is part of the scene

@@ -305,12 +305,19 @@ class L1Cache {
   /// Reads a line if it is cached. Otherwise returns false without side effects. Must not be called for ideal caches.
   bool try_hit(Addr line) { return tags_.probe(line); }
 
-  /// Prefetches a line into the first-level cache, on behalf of a slot of the owning unit. The slot does not wait for
-  /// the line. Returns false if the line is cached or already requested. Requires a free MSHR.
-  bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
+  /// Prefetches a line into the first-level cache, on behalf of a tile. No slot waits for the line. Returns false if
+  /// the line is cached or already requested. Requires a free MSHR.
+  bool prefetch_line(Addr line, TileTag tile, std::uint64_t cycle) {
     if (has_line(line) || find_miss(line) != nullptr) return false;
-    request_line(line, {0, cycle, true}, slot_tiles_[slot]);
+    request_line(line, {0, cycle, true}, tile);
     return true;
+  }
+  /// Reads a line for the owning unit itself, not for one of its slots. Returns whether it is cached; if not, it is
+  /// requested, and fill_line() brings it. Requires a free MSHR.
+  bool read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) {
+    if (ideal_ || tags_.probe(line)) return true;
+    if (find_miss(line) == nullptr) request_line(line, {0, cycle}, tile);
+    return false;
   }
   /// Makes the first-level cache count what becomes of prefetched lines, by a bit for each of its lines. The unit must
   /// then read all lines through access_line().

@@ -171,10 +171,10 @@ class FetchStage {
 
   /// True if a prefetch into the unit's L1 would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches a line into the L1 on behalf of a slot. Returns false if the line is cached or already requested.
-  bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
-    return l1_.prefetch_line(line, slot, cycle);
-  }
+  /// Prefetches a line into the L1 on behalf of a tile. Returns false if the line is cached or already requested.
+  bool prefetch_line(Addr line, TileTag tile, std::uint64_t cycle) { return l1_.prefetch_line(line, tile, cycle); }
+  /// Reads a line for the unit itself. Returns whether it is cached; if not, fill_line() brings it.
+  bool read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) { return l1_.read_for_unit(line, tile, cycle); }
   /// Makes the L1 count what becomes of prefetched lines. try_first_probe_hit() must not be used then.
   void count_prefetches() { l1_.count_prefetches(); }
   const L1Cache::PrefetchCounts& prefetch_counts() const { return l1_.prefetch_counts(); }

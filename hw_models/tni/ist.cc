@@ -18,7 +18,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       clock_(clock),
       triangles_(triangles),
       ideal_(mode.ideal),
-      reorders_(mode.handling == MissHandling::kReorder && !mode.ideal_l1),
+      reorders_(mode.handling == MissHandling::kReorder && !mode.ideal_l1 && links.prefetches_in.empty()),
       known_after_{0, config.l1.hit_cycles + config.distance_stage, config.l1.hit_cycles + config.barycentric_stage,
                    config.l1.hit_cycles + config.latency},
       has_records_(!triangles.places.empty()),
@@ -32,6 +32,24 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(first_slots_mask(config.leaves)) {
   memory_in_.store_pop_time_in(&line_at_);
+  if (!links.prefetches_in.empty()) {
+    prefetcher_.emplace(triangles_, std::move(links.prefetches_in));
+    fetch_.count_prefetches();
+  }
+  stats_.has_prefetcher = prefetcher_.has_value();
+}
+
+Ist::Stats Ist::stats() const {
+  Stats all = stats_;
+  static_cast<FetchStats&>(all) = fetch_.stats();
+  if (prefetcher_) {
+    all.prefetch_probes = prefetcher_->stats().probes;
+    all.prefetches = prefetcher_->stats().requests;
+    all.prefetches_useful = fetch_.prefetch_counts().useful;
+    all.prefetches_late = fetch_.prefetch_counts().late;
+    all.prefetches_useless = fetch_.prefetch_counts().useless;
+  }
+  return all;
 }
 
 inline bool Ist::fill_arrived_line(const Cycle& cycle) {
@@ -177,6 +195,7 @@ inline sim::Time Ist::next_wake(const Cycle& cycle) const {
   sim::Time at = pipe_.next_completion(cycle);
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
   at = std::min(at, std::max(next, line_at_));
+  if (prefetcher_) at = std::min(at, prefetcher_->next_wake(fetch_, next));
   return std::min(at, fetch_.next_send_time(next, memory_out_));
 }
 
@@ -188,6 +207,7 @@ sim::Time Ist::tick(const Cycle& cycle) {
   const CycleReason tested = issue_tests(cycle.number);
   const bool tried = tested != CycleReason::kStarved;
   if (waiting_[kToAnswer] != 0) run_once_or_drain(ideal_, [&] { return send_answer(now); });
+  if (prefetcher_) run_once_or_drain(ideal_, [&] { return prefetcher_->issue_prefetch(fetch_, cycle); });
   fetch_.send_request(now, memory_out_);
   const sim::Time wake = next_wake(cycle);
   const CycleReason then = tried && wake == cycle.next ? tested : wait_reason();

@@ -1,12 +1,14 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
+#include "hw_models/tni/leaf_prefetcher.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
@@ -28,6 +30,8 @@ namespace hw {
 /// 4. Leaves are served round robin by slot.
 /// 5. The triangles of a record of several, a pair or a block, are tested one per cycle after its last line. A triangle
 /// decoded from a block takes `decode_interval` cycles, in which no other test and no read begins.
+///
+/// With tni.trv.prefetch: stack or treelet, a LeafPrefetcher prefetches triangles on behalf of traversal units.
 ///
 /// Not modelled: tests that end early because of a hit in another triangle of the leaf.
 class Ist {
@@ -60,6 +64,9 @@ class Ist {
     std::uint64_t leaves_in = 0, leaves_out = 0;
     std::uint64_t tests = 0, edge_tests = 0, hits = 0, bypass_passes = 0;
     std::uint64_t shared_tests = 0, decoded = 0;
+    bool has_prefetcher = true;  ///< counters of the prefetcher are reported
+    std::uint64_t prefetch_probes = 0, prefetches = 0;
+    std::uint64_t prefetches_useful = 0, prefetches_late = 0, prefetches_useless = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.leaves_in), "leaves accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.leaves_out), "leaves answered", "tni.hit_route");
@@ -71,6 +78,13 @@ class Ist {
       FetchStats::describe(s, counter);
       counter(NAMED(s.bypass_passes), "passes of a leaf that missed through the pipe, without work",
               "tni.tri_bypass_pass");
+      if (s.has_prefetcher) {
+        counter(NAMED(s.prefetch_probes), "lines probed for prefetching", "cache.l1_probe");
+        counter(NAMED(s.prefetches), "of these, lines requested from memory");
+        counter(NAMED(s.prefetches_useful), "prefetched lines read after they arrived");
+        counter(NAMED(s.prefetches_late), "prefetched lines needed before they arrived");
+        counter(NAMED(s.prefetches_useless), "prefetched lines evicted before they were needed");
+      }
     }
   };
   struct Links {
@@ -78,6 +92,7 @@ class Ist {
     std::vector<sim::Link<LeafDone>*> leaves_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
+    std::vector<sim::Link<LeafPrefetch>*> prefetches_in{};  ///< link from each TRV that prefetches leaves
   };
 
   Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links,
@@ -88,15 +103,10 @@ class Ist {
   sim::Time tick(sim::Time now) { return tick(Cycle(now, clock_)); }
   sim::Time tick(const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
-  Stats stats() const {
-    Stats all = stats_;
-    static_cast<FetchStats&>(all) = fetch_.stats();
-    return all;
-  }
+  Stats stats() const;
   std::uint64_t retired_items() const { return stats_.tests + stats_.leaves_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  bool idle() const { return occupied_ == 0; }
   std::string state() const;
   bool warm_line(Addr line) { return fetch_.warm_line(line); }
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
@@ -131,7 +141,7 @@ class Ist {
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
   const bool ideal_;     ///< the intersection unit does unlimited operations per cycle
-  const bool reorders_;  ///< miss handling is `reorder` and the L1 is not ideal
+  const bool reorders_;  ///< miss handling is `reorder`, the L1 is not ideal, and no prefetches are counted
   /// Cycles from the fetch of a triangle to the result of its test, by the phase (1 to 3) with which the test ends.
   const std::array<std::uint32_t, 4> known_after_;
   const bool has_records_;             ///< records have several triangles or another order than the triangles
@@ -147,6 +157,7 @@ class Ist {
   TimingWheel<kPipes>::Masks waiting_{};
   FetchStage fetch_;
   std::vector<Slot> slots_;
+  std::optional<LeafPrefetcher> prefetcher_;
   TimingWheel<kPipes> pipe_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;

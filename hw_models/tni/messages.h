@@ -30,6 +30,13 @@ struct LeafJob {
   TileTag tile = kNoTile;
 };
 
+/// A leaf whose triangles the intersection unit prefetches for a traversal unit.
+struct LeafPrefetch {
+  std::uint32_t first = 0;  ///< number of the leaf's first triangle
+  std::uint8_t count = 0;
+  TileTag tile = kNoTile;
+};
+
 /// Message from the intersection unit to a traversal unit: all triangles of a leaf have been tested.
 struct LeafDone {
   std::uint8_t slot = 0;

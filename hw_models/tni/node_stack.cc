@@ -5,8 +5,9 @@
 
 namespace hw {
 
-void NodeStack::clear() {
+void NodeStack::begin_at(std::uint32_t start) {
   entries_.clear();
+  start_ = start;
   resident_ = 0;
   instance_ = traces::kNone;
   parent_ = 0;
@@ -59,7 +60,7 @@ void NodeStack::restart(const StackRules& rules, const TreeInMemory& tree, Resta
     path.plan_climb(parent_, instance_, youngest, tree);
   } else {
     path.plan_path(entries_.back().origin,
-                   rules.scheme == StackScheme::kRestartTrail ? 0 : entries_.front().origin.node, tree);
+                   rules.scheme == StackScheme::kRestartTrail ? start_ : entries_.front().origin.node, tree);
   }
   stats.restarts += 1;
   // The last child of an entry is entered without a push.

@@ -19,8 +19,8 @@ namespace hw {
 /// 2. The object keeps all entries, also those that are not in the short stack: a restart finds them again.
 class NodeStack {
  public:
-  /// Empties the stack for a new ray, at the root.
-  void clear();
+  /// Empties the stack for a ray that begins at node `start`: the root or a predicted node.
+  void begin_at(std::uint32_t start);
 
   /// Pushes an entry for the hit children of a node but the first. `hits`: the walk's word of hits, with at least two.
   void push(std::uint32_t node, std::uint32_t hits, std::uint32_t capacity, StackStats& stats);
@@ -47,6 +47,7 @@ class NodeStack {
   };
 
   std::vector<Entry> entries_;
+  std::uint32_t start_ = 0;                 ///< node at which the ray has begun
   std::uint32_t resident_ = 0;              ///< number of youngest entries that are in the short stack
   std::uint32_t instance_ = traces::kNone;  ///< instance in whose tree the ray is
   std::uint32_t parent_ = 0;                ///< parent of the node that the ray visits or visited last

@@ -63,8 +63,8 @@ struct TreeKind {
 enum class Prefetch : std::uint8_t {
   kNone,
   kSibling,  ///< prefetch the far child's node when a visit hits both children
-  kStack,    ///< prefetch the nodes of the next stack entries on a pop that follows a pop (Tozlu et al. 2026)
-  kTreelet,  ///< prefetch the rest of a treelet when the line of its root misses (Chou et al. 2023)
+  kStack,    ///< prefetch the next stack entries on a pop that follows a pop (Tozlu et al. 2026)
+  kTreelet,  ///< prefetch the nodes and leaves of a treelet when the line of its root misses (Chou et al. 2023)
 };
 constexpr std::array<std::string_view, 4> names_of(Prefetch) { return {"none", "sibling", "stack", "treelet"}; }
 
@@ -162,7 +162,8 @@ struct TrvConfig {
   std::uint32_t gather_width = 8;
   CacheConfig l1;
 
-  static constexpr std::uint32_t kPrefetchQueue = 128;  ///< lines that can wait for their prefetch
+  static constexpr std::uint32_t kPrefetchQueue = 128;  ///< lines, and leaves, that can wait for their prefetch
+  static constexpr std::uint32_t kMapReads = 8;         ///< treelets whose lists can be read at once
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -243,7 +244,8 @@ struct TrvConfig {
   std::uint64_t sram_bytes() const {
     constexpr std::uint64_t kLineNumberBytes = 4;
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries) +
-           (has_prefetch_queue() ? kPrefetchQueue * kLineNumberBytes : 0) +
+           (has_prefetch_queue() ? 2 * kPrefetchQueue * kLineNumberBytes : 0) +
+           (prefetch == Prefetch::kTreelet ? kMapReads * kLineNumberBytes : 0) +
            (gather == Gather::kOff ? 0 : rays * kLineNumberBytes);
   }
 };
@@ -327,9 +329,6 @@ struct TniConfig {
     }
     if (trv.gather != Gather::kOff && miss_handling != MissHandling::kReorder)
       complain("miss_handling", "is not reorder; allowed with tni.trv.gather: off, groups wait in the input buffer");
-    if (predictor.enabled && trv.stack_push == StackPush::kNode) {
-      complain("predictor.enabled", "is true, and stack entries are nodes; allowed with it: trv.stack_push=child");
-    }
   }
   /// Returns the SRAM bytes of one traversal unit, or of one intersection unit, with its RAU table if it has one.
   /// `tree`: kind of the trees for which the unit is built.

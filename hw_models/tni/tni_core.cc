@@ -29,6 +29,7 @@ TniConfig with_ideal_pipes(TniConfig config) {
 struct LeafLinks {
   sim::Link<LeafJob>* jobs;
   sim::Link<LeafDone>* answers;
+  sim::Link<LeafPrefetch>* prefetches;  ///< null if leaves are not prefetched
 };
 
 }  // namespace
@@ -91,7 +92,10 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
     dispatcher.to_trv.push_back(&machine.link<RayJob>(depth, 1, dispatcher_id_, trv));
     dispatcher.from_trv.push_back(&machine.link<RayDone>(depth, 1, trv, dispatcher_id_));
     leaves.push_back({&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist),
-                      &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv)});
+                      &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv),
+                      config_.trv.has_prefetch_queue()
+                          ? &machine.link<LeafPrefetch>(leaf_latency + depth, leaf_latency, trv, ist)
+                          : nullptr});
   }
   dispatcher_ = &machine.build<RayDispatcher>(
       dispatcher_id_,
@@ -99,13 +103,15 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
       dispatcher, clock);
   std::shared_ptr<const Treelets> treelets;
   if (config_.trv.prefetch == Prefetch::kTreelet)
-    treelets = std::make_shared<const Treelets>(scene.tree, config_.trv.treelet_bytes.bytes);
+    treelets = std::make_shared<const Treelets>(scene.tree, scene.triangles, config_.trv.treelet_bytes.bytes,
+                                                scene.tree.treelet_map(config_.trv.stack));
   for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
     const MemoryPort& memory = links.memory[t];
-    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree, treelets,
-                                        Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *leaves[t].jobs,
-                                                   *leaves[t].answers, memory.requests, memory.responses},
-                                        memory.client, clock));
+    trvs_.push_back(
+        &machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree, treelets,
+                            Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *leaves[t].jobs,
+                                       *leaves[t].answers, memory.requests, memory.responses, leaves[t].prefetches},
+                            memory.client, clock));
   }
   for (std::size_t i = 0; i < ist_ids_.size(); ++i) {
     const MemoryPort& memory = links.memory[trv_ids_.size() + i];
@@ -113,6 +119,7 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
     for (std::size_t t = i; t < leaves.size(); t += ist_ids_.size()) {
       ist.leaves_in.push_back(leaves[t].jobs);
       ist.leaves_out.push_back(leaves[t].answers);
+      if (leaves[t].prefetches != nullptr) ist.prefetches_in.push_back(leaves[t].prefetches);
     }
     ists_.push_back(
         &machine.build<Ist>(ist_ids_[i], config_.ist, mode, scene.triangles, std::move(ist), memory.client, clock));

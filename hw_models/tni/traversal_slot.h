@@ -118,6 +118,12 @@ class TraversalSlot {
     consume_entry();
     return true;
   }
+  /// Continues at the root if the ray has left the subtree of its predicted node. Returns whether it has.
+  bool continue_at_root() {
+    if (has_entries()) return false;
+    must_pop_ = false;
+    return true;
+  }
   /// Restarts the traversal of the ray, whose short stack is empty. `walk`: start of its walk. `entries`: scratch
   /// space.
   void restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, const StackRules& rules,
@@ -151,12 +157,6 @@ class TraversalSlot {
     next_step_ = *step;
   }
   Pipe next_pipe_slow_path();
-  /// Continues at the root if the ray has left the subtree of its predicted node. Returns whether it has.
-  bool continue_at_root() {
-    if (has_entries()) return false;
-    must_pop_ = false;
-    return true;
-  }
   StackEntryOrigin list_stack_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries,
                                       std::uint32_t& start) const;
 

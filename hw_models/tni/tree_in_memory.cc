@@ -46,6 +46,10 @@ std::shared_ptr<const std::vector<WideRecord>> wide_records(const traces::Memory
   return records;
 }
 
+bool has_parents_in_nodes(const traces::MemoryImage& image) {
+  return image.is_wide() && image.wide_format == traces::NodeFormat::kQ12;
+}
+
 }  // namespace
 
 TreeKind tree_kind(const traces::MemoryImage& image) {
@@ -72,7 +76,7 @@ TreeInMemory tree_in_memory(const traces::MemoryImage& image, std::span<const st
                     .kind = tree_kind(image),
                     .wide_links = image.wide_nodes,
                     .parent_links = layout.end,
-                    .parents_in_nodes = image.is_wide() && image.wide_format == traces::NodeFormat::kQ12};
+                    .parents_in_nodes = has_parents_in_nodes(image)};
   if (image.is_wide()) {
     tree.wide = wide_records(image);
     tree.wide_nodes_have_lines =
@@ -81,9 +85,23 @@ TreeInMemory tree_in_memory(const traces::MemoryImage& image, std::span<const st
   return tree;
 }
 
-std::uint64_t parent_table_bytes(const traces::MemoryImage& image, StackScheme stack) {
-  if (stack != StackScheme::kParent || (image.is_wide() && image.wide_format == traces::NodeFormat::kQ12)) return 0;
-  return std::uint64_t{image.node_count()} * TreeInMemory::kParentBytes;
+void TrianglesInMemory::append_leaf_lines(std::uint32_t first, std::uint32_t count, std::vector<Addr>& lines) const {
+  for (std::uint32_t triangle = first; triangle < first + count; ++triangle) {
+    const Addr begin = record_of(triangle);
+    for (Addr line = hw::line_of(begin); line < begin + bytes; line += kLineBytes) {
+      if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+    }
+  }
+}
+
+std::uint64_t tree_table_bytes(const traces::MemoryImage& image, const TrvConfig& config) {
+  const std::uint64_t parents =
+      TreeInMemory::parent_table_bytes(image.node_count(), has_parents_in_nodes(image), config.stack);
+  if (config.prefetch != Prefetch::kTreelet) return parents;
+  // An entry, a link and an end of list for each node, and a link for each leaf, of which there are at most as many as
+  // triangles; a line is lost to alignment.
+  const std::uint64_t words = 3 * std::uint64_t{image.node_count()} + image.triangles.size();
+  return parents + words * sizeof(std::uint32_t) + kLineBytes;
 }
 
 }  // namespace hw

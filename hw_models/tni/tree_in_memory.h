@@ -50,6 +50,14 @@ struct TreeInMemory {
 
   static constexpr std::uint32_t kParentBytes = 4;
   std::size_t node_count() const { return kind.wide ? wide_links.size() : links.size(); }
+  /// Returns the size of the table of parent links, which only the stack scheme `parent` reads.
+  static std::uint64_t parent_table_bytes(std::size_t nodes, bool parents_in_nodes, StackScheme stack) {
+    return stack == StackScheme::kParent && !parents_in_nodes ? std::uint64_t{nodes} * kParentBytes : 0;
+  }
+  /// Returns the address of the map of treelets, which follows the parent links.
+  Addr treelet_map(StackScheme stack) const {
+    return round_up_to_lines(parent_links + parent_table_bytes(node_count(), parents_in_nodes, stack));
+  }
   Addr line_of_parent_link(std::uint32_t node) const { return hw::line_of(parent_links + Addr{node} * kParentBytes); }
   /// True if each node's record contains the boxes of both children and is exactly one cache line.
   bool has_one_line_per_node() const {
@@ -89,6 +97,8 @@ struct TrianglesInMemory {
   Addr record_of(std::uint32_t triangle) const {
     return base + (places.empty() ? Addr{triangle} * bytes : Addr{places[triangle]} * traces::Layout::kPlaceBytes);
   }
+  /// Appends the lines of a leaf's records, each once, in ascending order of the triangles.
+  void append_leaf_lines(std::uint32_t first, std::uint32_t count, std::vector<Addr>& lines) const;
 };
 
 /// Returns the memory layout of the BVH in an image. `parents`: result of traces::parent_indices().
@@ -97,7 +107,8 @@ TreeInMemory tree_in_memory(const traces::MemoryImage& image, std::span<const st
 /// Returns the kind of the trees in an image.
 TreeKind tree_kind(const traces::MemoryImage& image);
 
-/// Returns the size of the table of parent links that a stack scheme needs in addition to the image.
-std::uint64_t parent_table_bytes(const traces::MemoryImage& image, StackScheme stack);
+/// Returns the space after the image for the tables that traversal units read: parent links, and at most the map of
+/// treelets (treelets.h).
+std::uint64_t tree_table_bytes(const traces::MemoryImage& image, const TrvConfig& config);
 
 }  // namespace hw

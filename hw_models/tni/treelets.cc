@@ -27,8 +27,8 @@ void append_node_lines(const TreeInMemory& tree, std::uint32_t node, std::vector
   }
 }
 
-Treelets::Treelets(const TreeInMemory& tree, std::uint64_t bytes)
-    : of_node_(tree.node_count(), kNone), of_root_(tree.node_count(), kNone), begin_{0} {
+Treelets::Treelets(const TreeInMemory& tree, const TrianglesInMemory& triangles, std::uint64_t bytes, Addr map)
+    : map_(map), of_node_(tree.node_count(), kNone), of_root_(tree.node_count(), kNone), begin_{0} {
   if (tree.node_count() == 0) return;
   std::vector<std::uint32_t> roots{0};
   for (const traces::InstanceRecord& instance : tree.placed) {
@@ -43,24 +43,29 @@ Treelets::Treelets(const TreeInMemory& tree, std::uint64_t bytes)
     of_root_[root] = of_node_[root] = treelet;
     lines.clear();
     append_node_lines(tree, root, lines);
-    const std::size_t root_lines = lines.size();
     queue.assign(1, root);
     for (std::size_t first = 0; first < queue.size(); ++first) {
       for_each_child(tree, queue[first], [&](std::uint32_t child) {
-        if (traces::is_leaf(child)) return;
+        if (traces::is_instance(child)) return;
+        const bool is_node = !traces::is_leaf(child);
         longer = lines;
-        append_node_lines(tree, child, longer);
+        if (is_node) {
+          append_node_lines(tree, child, longer);
+        } else {
+          triangles.append_leaf_lines(traces::leaf_first(child), traces::leaf_count(child), longer);
+        }
         if (longer.size() * kLineBytes > bytes) {
-          roots.push_back(child);
+          if (is_node) roots.push_back(child);
           return;
         }
         std::swap(lines, longer);
+        links_.push_back(child);
+        if (!is_node) return;
         of_node_[child] = treelet;
         queue.push_back(child);
       });
     }
-    lines_.insert(lines_.end(), lines.begin() + static_cast<std::ptrdiff_t>(root_lines), lines.end());
-    begin_.push_back(static_cast<std::uint32_t>(lines_.size()));
+    begin_.push_back(static_cast<std::uint32_t>(links_.size()));
   }
 }
 

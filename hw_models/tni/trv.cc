@@ -62,7 +62,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
   links_.leaves_in.store_pop_time_in(&arrivals_.answers, &arrivals_.soonest);
   links_.memory_in.store_pop_time_in(&arrivals_.lines, &arrivals_.soonest);
   if (features_.prefetcher) {
-    prefetcher_.emplace(config, tree_, std::move(treelets));
+    prefetcher_.emplace(config, tree_, std::move(treelets), *links_.leaf_prefetches_out);
     fetch_.count_prefetches();
   }
   stats_.has_prefetcher = features_.prefetcher;
@@ -79,6 +79,9 @@ Trv::Stats Trv::stats() const {
     all.prefetch_probes = prefetcher_->stats().probes;
     all.prefetches = prefetcher_->stats().requests;
     all.prefetches_dropped = prefetcher_->stats().dropped;
+    all.prefetched_leaves = prefetcher_->stats().leaves;
+    all.map_reads = prefetcher_->stats().map_reads;
+    all.map_misses = prefetcher_->stats().map_misses;
     all.prefetches_useful = fetch_.prefetch_counts().useful;
     all.prefetches_late = fetch_.prefetch_counts().late;
     all.prefetches_useless = fetch_.prefetch_counts().useless;
@@ -148,7 +151,7 @@ void Trv::prefetch_far_nodes(std::uint64_t cycle) {
     stats_.prefetch_probes += 1;
     const Addr line = features_.wide ? tree_.line_of_wide_visit((*tree_.wide)[node], 0).line
                                      : tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
-    if (fetch_.prefetch_line(line, slot, cycle)) stats_.prefetches += 1;
+    if (fetch_.prefetch_line(line, fetch_.slot_tile(slot), cycle)) stats_.prefetches += 1;
   }
   far_nodes_.clear();
 }
@@ -189,7 +192,7 @@ sim::Time Trv::next_wake(const Cycle& cycle) const {
     at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
   }
   if (waiting_[kToRetire] != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
-  if (prefetcher_ && prefetcher_->has_work(fetch_)) return next;
+  if (prefetcher_) at = std::min(at, prefetcher_->next_wake(fetch_, next));
   at = std::min(at, std::max(next, arrivals_.soonest));
   return std::min(at, fetch_.next_send_time(next, links_.memory_out));
 }
@@ -216,7 +219,9 @@ template <TrvCode kCode>
 
 bool Trv::fill_arrived_line(const Cycle& cycle) {
   if (arrivals_.lines > cycle.now) return false;
-  fetch_.fill_line(links_.memory_in.pop(cycle.now).line, cycle.number);
+  const Addr line = links_.memory_in.pop(cycle.now).line;
+  fetch_.fill_line(line, cycle.number);
+  if (prefetcher_) prefetcher_->fill_line(line);
   return true;
 }
 
@@ -247,7 +252,7 @@ bool Trv::take_ray(sim::Time now) {
   occupied_ |= slot_bit(index);
   TraversalSlot& slot = slots_[index];
   slot = TraversalSlot(job.walk, job.id);
-  if (features_.node_stack) node_stacks_[index].clear();
+  if (features_.node_stack) node_stacks_[index].begin_at(traces::node_of(*job.walk));
   if (prefetcher_) prefetcher_->begin_ray(index);
   begins_[index] = job.walk;
   fetch_.set_slot_tile(index, job.tile);
@@ -528,6 +533,10 @@ Trv::Pipe Trv::pop_node_stack(TraversalSlot& slot, std::uint32_t index) {
     if (prefetcher_) prefetcher_->pop_entry(index, node_stacks_[index].resident_children(), 0);
     return continue_at_child(slot, index, *link);
   }
+  if (slot.continue_at_root()) {
+    node_stacks_[index].begin_at(0);
+    return slot.next_pipe();
+  }
   node_stacks_[index].restart(stack_, tree_, paths_[index], stats_);
   slot.begin_restart();
   return slot.next_pipe();
@@ -595,7 +604,7 @@ template <TrvCode kCode>
     if (waiting_[kToStack] != 0) issue_pop<kCode>(cycle);
     while (has.ideal && waiting_[kToStack] != 0) issue_pop<kCode>(cycle);
   }
-  if (has_output(now) || (has.prefetches && !far_nodes_.empty()) || (has.prefetcher && prefetcher_->has_work(fetch_)))
+  if (has_output(now) || (has.prefetches && !far_nodes_.empty()) || (has.prefetcher && !prefetcher_->is_empty()))
     issue_outputs(cycle);
   if (rays_moved_) account_full_buffer(now);
   const bool boxes_busy = has.wide && !reads_early_lines_ && cycle.next < boxes_free_at_;
@@ -672,6 +681,7 @@ bool Trv::issue_leaf(sim::Time now) {
 void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   waiting_[kToLeaf] &= ~slot_bit(index);
   TraversalSlot& slot = slots_[index];
+  if (prefetcher_) prefetcher_->enter_leaf(index);
   std::uint32_t first, count, phases;
   if (features_.node_stack && is_extra(index)) [[unlikely]] {
     constexpr std::uint32_t kAllByDistance = 0x11111111;  // exit phases of triangles beyond the hit
@@ -704,6 +714,7 @@ void Trv::issue_outputs(const Cycle& cycle) {
   if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after the demand accesses of the cycle
   if (prefetcher_) {
     run_once_or_drain(features_.ideal, [&] { return prefetcher_->issue_prefetch(fetch_, cycle.number); });
+    run_once_or_drain(features_.ideal, [&] { return prefetcher_->send_leaf(fetch_, cycle.now); });
   }
   fetch_.send_request(cycle.now, links_.memory_out);
 }

@@ -60,6 +60,7 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
+  refuse_sorting(inputs.config, "trace record");
   print_warnings(inputs.warnings, &progress);
   if (progress.shows_hints()) {
     double frame = estimate_render_seconds(inputs, spec, 1, options.threads);

@@ -375,7 +375,7 @@ void trace_predicted(const MemoryImage& image, std::span<const Ray> rays, std::s
     Walk<Lanes, true, false, kSlots, WalkRecorder> walk(image, is_single_sided, rays[i], record);
     bool correct = false, stored = false;
     hits[i] = node == kNone ? walk.run() : walk.run_from(node, correct);
-    if (hits[i].is_hit() && !hits[i].is_flagged()) {
+    if (hits[i].is_hit() && !hits[i].is_flagged() && !correct) {
       const std::uint32_t above = tile.predictor().node_to_store(hits[i].triangle_index());
       stored = above != kNone;
       if (stored) tile.add_update({hash, above});

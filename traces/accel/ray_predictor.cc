@@ -84,21 +84,29 @@ std::uint32_t PredictorTable::find_node(std::uint32_t hash) const {
   return kNone;
 }
 
-void PredictorTable::store_node(const PredictorUpdate& update) {
+void PredictorTable::apply_update(const PredictorUpdate& update) {
   const auto first = entries_.begin() + static_cast<std::ptrdiff_t>(set_of(update.hash));
   const auto last = first + static_cast<std::ptrdiff_t>(ways_ - 1);
   const auto replaced = std::find_if(
       first, last, [&](const PredictorUpdate& entry) { return entry.hash == update.hash && entry.node != kNone; });
+  const std::uint32_t node = update.node == kNone ? find_node(update.hash) : update.node;
+  if (node == kNone) return;
   std::move_backward(first, replaced, replaced + 1);
-  *first = update;
+  *first = {update.hash, node};
 }
 
 std::uint32_t TilePredictions::look_up(std::uint32_t hash) {
   rays_ += 1;
   while (visible_ < updates_.size() && updating_rays_[visible_] + ray_lag_ <= rays_) {
-    table_.store_node(updates_[visible_++]);
+    const PredictorUpdate& update = updates_[visible_++];
+    if (update.node != kNone) table_.apply_update(update);
   }
-  return table_.find_node(hash);
+  const std::uint32_t node = table_.find_node(hash);
+  if (node != kNone) {
+    table_.apply_update({hash, kNone});
+    add_update({hash, kNone});
+  }
+  return node;
 }
 
 void TilePredictions::add_update(const PredictorUpdate& update) {
@@ -118,7 +126,7 @@ const PredictorTable& PredictorHistory::table_of(std::uint32_t tile) const {
 void PredictorHistory::commit_tile(std::span<const PredictorUpdate> updates) {
   PredictorTable& next = versions_[(committed_ + 1) % lag_];
   if (lag_ > 1) next = versions_[committed_ % lag_];
-  for (const PredictorUpdate& update : updates) next.store_node(update);
+  for (const PredictorUpdate& update : updates) next.apply_update(update);
   committed_ += 1;
 }
 

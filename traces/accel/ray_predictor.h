@@ -32,8 +32,8 @@ struct PredictorConfig {
           sim::any(), Affects::kFunction);
     field(NAMED(c.entries), "entries", "entries of the table, one node each", sim::power_of_two(1, 65536),
           Affects::kFunction);
-    field(NAMED(c.ways), "ways", "associativity of the table, replaced by least recent update",
-          sim::power_of_two(1, 16), Affects::kFunction);
+    field(NAMED(c.ways), "ways", "associativity of the table, replaced by least recent use", sim::power_of_two(1, 16),
+          Affects::kFunction);
     field(NAMED(c.entry_bits), "bits", "storage of an entry, for leakage and area", sim::between(32, 128),
           Affects::kEnergy);
     field(NAMED(c.origin_bits), "bits", "bits per axis of the cell of a ray's origin, in a grid over the scene",
@@ -59,7 +59,7 @@ struct PredictorConfig {
 ///
 /// 1. The hash is the cell of the ray's origin XOR the sector of its direction: 8 sectors by the angle to the y axis
 /// times 16 around it.
-/// 2. A hit stores the inner node `go_up` levels above its leaf, but not the root.
+/// 2. A hit that was not predicted stores the inner node `go_up` levels above its leaf, but not the root.
 class RayPredictor {
  public:
   /// `image`: a tree of one level.
@@ -78,22 +78,24 @@ class RayPredictor {
   std::vector<std::uint32_t> leaf_parents_;  ///< for each triangle, the parent of its leaf
 };
 
-/// An update of a predictor's table: a ray with this hash found an occluder below this node.
+/// An update of a predictor's table: a ray with this hash found an occluder below this node. Node kNone: a look-up
+/// found the entry with this hash.
 struct PredictorUpdate {
   std::uint32_t hash = 0, node = 0;
   friend bool operator==(const PredictorUpdate&, const PredictorUpdate&) = default;
 };
 
 /// The table of a ray predictor. A set is selected by the XOR of parts of the hash; its entries have the whole hash as
-/// tag and are ordered from the most to the least recently updated.
+/// tag and are ordered from the most to the least recently used, by a look-up or an update.
 class PredictorTable {
  public:
   explicit PredictorTable(const PredictorConfig& config);
 
   /// Returns the node stored for a hash, or kNone.
   std::uint32_t find_node(std::uint32_t hash) const;
-  /// Stores a node as the most recent entry of its set; replaces the entry with the same hash, else the oldest.
-  void store_node(const PredictorUpdate& update);
+  /// Stores a node as the most recent entry of its set; replaces the entry with the same hash, else the oldest. Without
+  /// a node, makes the entry with the hash the most recent, if there is one.
+  void apply_update(const PredictorUpdate& update);
 
  private:
   std::size_t set_of(std::uint32_t hash) const;
@@ -102,8 +104,8 @@ class PredictorTable {
   std::vector<PredictorUpdate> entries_;  ///< node kNone: empty
 };
 
-/// A tile's view of the predictor table. Within the tile, the update of ray i is visible to rays i + `ray_lag` and
-/// later.
+/// A tile's view of the predictor table. Within the tile, the node stored by ray i is visible to rays i + `ray_lag` and
+/// later; the order of use changes with each look-up.
 class TilePredictions {
  public:
   /// `table`: the table at the start of the tile, which is copied.
@@ -115,7 +117,7 @@ class TilePredictions {
   std::uint32_t look_up(std::uint32_t hash);
   /// Adds an update by the ray that was looked up last.
   void add_update(const PredictorUpdate& update);
-  /// Returns the updates of the tile, in the order of the rays.
+  /// Returns the updates of the tile and the look-ups that found an entry, in the order of the rays.
   std::span<const PredictorUpdate> updates() const { return updates_; }
 
  private:

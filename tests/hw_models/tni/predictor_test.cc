@@ -1,3 +1,4 @@
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "hw_models/tni/predictor_stage.h"
 #include "hw_models/tni/traversal_slot.h"
 #include "tests/hw_models/tni/random_load.h"
+#include "tests/hw_models/tni/wide_load.h"
 
 // Tests of rays that begin at a predicted node: look-ups, stacks and restarts.
 
@@ -208,6 +210,61 @@ TEST(PredictedWalk, GivesTheOraclesCountersOnEveryMachine) {
   }
   EXPECT_GT(restarts, 1000U);
   EXPECT_GT(wrongs, 1000U);
+}
+
+/// Returns the words of a random walk below node `top` of a tree of wide nodes, without culls.
+Walk wide_subtree_walk(const test::WideLoad& load, std::uint64_t seed, std::uint32_t top) {
+  Walk out;
+  std::vector<std::uint32_t> stack{top};
+  for (std::uint32_t step = 0; !stack.empty(); ++step) {
+    const std::uint32_t link = stack.back();
+    stack.pop_back();
+    if (traces::is_leaf(link)) {
+      out.insert(out.end(), {traces::leaf_step(traces::leaf_first(link), 1), 1U});
+      continue;
+    }
+    std::vector<std::uint32_t> order(sim::hash(seed, step) % (load.children_of(link) + 1));
+    std::iota(order.begin(), order.end(), 0U);
+    const auto words = test::wide_visit(link, order);
+    out.insert(out.end(), words.begin(), words.end());
+    for (std::size_t i = order.size(); i-- > 0;) stack.push_back(load.nodes[link].child[order[i]]);
+  }
+  return out;
+}
+
+TEST(PredictedWalk, MayKeepStackEntriesThatAreNodes) {
+  std::uint64_t restarts = 0, extras = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    test::WideLoad load(seed, 2 + static_cast<std::uint32_t>(seed % 7));
+    std::uint64_t visits = 0;
+    for (std::size_t i = 0; i < load.walks.size(); ++i) {
+      Walk& walk = load.walks[i];
+      const std::uint64_t h = sim::hash(seed, i, 78);
+      const auto top = static_cast<std::uint32_t>(1 + h % (load.nodes.size() - 1));
+      const Walk below = h / 1000 % 3 == 0 ? Walk{} : wide_subtree_walk(load, h, top);
+      walk.insert(walk.begin(), below.begin(), below.end());
+      walk.insert(walk.begin(), look_up_step(below.empty() ? kNoPrediction : top, false, false));
+      visits += traces::count_steps(walk).visits;
+    }
+    TniHarness::Setup setup = test::random_wide_setup(seed);
+    setup.config.trv.stack_push = StackPush::kNode;
+    setup.config.predictor.enabled = true;
+    load.give(setup);
+    TniHarness fast(setup), oracle(setup);
+    load.send(fast).run();
+    load.send(oracle).run<sim::Skip::kOff>();
+    EXPECT_EQ(report_of(fast), report_of(oracle));
+    std::uint64_t first_visits = 0;
+    for (const Trv* unit : fast.tni().trvs()) {
+      first_visits += unit->stats().visits - unit->stats().restarted_visits - unit->stats().extra_visits;
+      restarts += unit->stats().restarts;
+      extras += unit->stats().extra_visits;
+    }
+    EXPECT_EQ(first_visits, visits);
+  }
+  EXPECT_GT(restarts, 100U);
+  EXPECT_GT(extras, 100U);
 }
 
 }  // namespace

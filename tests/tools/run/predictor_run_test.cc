@@ -72,7 +72,6 @@ TEST_F(PredictorRun, IsRefusedWhereItCannotLearnOrHasNoNode) {
   refused({"--slices", "2"}, {"--slices: a predictor learns", "allowed: tni.predictor.enabled=false"});
   refused({"--tile-sampling", "50%"}, {"--tile-sampling: a predictor learns", "allowed: tni.predictor.enabled=false"});
   refused({"--set", "bvh.instances=two_level"}, {"tni.predictor.enabled", "allowed with it: bvh.instances=flatten"});
-  refused({"--set", "tni.trv.stack_push=node"}, {"tni.predictor.enabled", "allowed with it: trv.stack_push=child"});
   refused({"--set", "tni.predictor.ways=16", "--set", "tni.predictor.entries=8"}, {"tni.predictor.ways: is 16"});
   const std::array<float, 8> ray{0, 0, 0, 0, 0, 0, 1, 1};  // origin, t_min, direction, t_max
   folder_.write("some.rays", std::string(reinterpret_cast<const char*>(ray.data()), sizeof ray));

@@ -74,6 +74,8 @@ TEST_F(Replay, AndOtherRecordedWorkAreRefusedIfRaysAreSorted) {
   const auto refused = [&](const Words& more) { return raywatt(small_run(at("no"), with_sort(more))); };
   expect_refusal(refused({"--record", trace()}), {"--record: recorded work", "allowed: tni.dispatcher.sort=none"});
   expect_refusal(refused({"--replicates", "2"}), {"--replicates: recorded work"});
+  expect_refusal(raywatt(with_sort({"trace", "record", trace(), "--resolution", "16x16"})),
+                 {"trace record: recorded work", "allowed: tni.dispatcher.sort=none"});
   EXPECT_FALSE(fs::exists(trace()));
   run("run", {}, true);
   expect_refusal(replay("no", sort), {"a.trace: recorded work", "allowed: tni.dispatcher.sort=none"});

@@ -40,21 +40,26 @@ struct PredictedRays {
 
 PredictorTable table_after(const std::vector<PredictorUpdate>& updates, const PredictorConfig& config = kEnabled) {
   PredictorTable table(config);
-  for (const PredictorUpdate& update : updates) table.store_node(update);
+  for (const PredictorUpdate& update : updates) table.apply_update(update);
   return table;
 }
 
-TEST(PredictorTable, ReplacesTheLeastRecentlyUpdatedEntryOfASet) {
+TEST(PredictorTable, ReplacesTheLeastRecentlyUsedEntryOfASet) {
   const PredictorConfig config{.entries = 8, .ways = 4};  // two sets, selected by the parity of the hash
   PredictorTable table(config);
-  for (const std::uint32_t hash : {0U, 3U, 5U, 6U}) table.store_node({hash, 100 + hash});
-  table.store_node({1, 101});  // another set
-  table.store_node({0, 200});  // the oldest becomes the youngest
-  table.store_node({9, 109});  // replaces 3
+  for (const std::uint32_t hash : {0U, 3U, 5U, 6U}) table.apply_update({hash, 100 + hash});
+  table.apply_update({1, 101});  // another set
+  table.apply_update({0, 200});  // the oldest becomes the youngest
+  table.apply_update({9, 109});  // replaces 3
   EXPECT_EQ(table.find_node(0), 200U);
   EXPECT_EQ(table.find_node(3), kNone);
   for (const std::uint32_t hash : {5U, 6U, 1U, 9U}) EXPECT_EQ(table.find_node(hash), 100 + hash) << hash;
   EXPECT_EQ(table.find_node(2), kNone);
+  table.apply_update({5, kNone});  // a look-up that found 5, now the oldest
+  table.apply_update({3, kNone});  // not in the table: nothing changes
+  table.apply_update({3, 103});    // replaces 6
+  EXPECT_EQ(table.find_node(5), 105U);
+  EXPECT_EQ(table.find_node(6), kNone);
 }
 
 TEST(PredictorTable, HasFiveAndAHalfKibibytes) { EXPECT_EQ(kEnabled.sram_bytes(), 5632U); }
@@ -121,7 +126,8 @@ TEST(RayPredictor, PredictsTheSecondOfIdenticalRays) {
     if (!is_hit) continue;
     const PredictedRays second(tracer, table_after({first.updates[update]}), {rays[i]});
     const std::uint32_t node = first.updates[update].node;
-    EXPECT_EQ(second.look_up(0), look_up_step(node, true, true));
+    EXPECT_EQ(second.look_up(0), look_up_step(node, true, false)) << "a correct prediction updates nothing";
+    EXPECT_EQ(second.updates, (std::vector<PredictorUpdate>{{first.updates[update].hash, kNone}}));
     EXPECT_EQ(second.words[1], visit_step(node, hits_of(second.words[1]), near_of(second.words[1])));
     const std::size_t end = i + 1 == rays.size() ? first.words.size() : first.begin[i + 1];
     EXPECT_LT(second.words.size(), end - first.begin[i]);
@@ -176,7 +182,7 @@ void expect_same_results(const Scene& scene, const BvhConfig& config, const std:
   std::uint64_t correct = 0;
   for (int round = 0; round < 2; ++round) {
     const PredictedRays predicted(tracer, table, rays);
-    for (const PredictorUpdate& update : predicted.updates) table.store_node(update);
+    for (const PredictorUpdate& update : predicted.updates) table.apply_update(update);
     correct += predicted.count_correct();
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const Hit& hit = predicted.hits[i];

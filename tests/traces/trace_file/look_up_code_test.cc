@@ -28,7 +28,7 @@ TileWork tile_with_look_ups(const MemoryImage& image, const std::vector<Ray>& ra
     tile = {};
     WalkSink sink{tile.walk, tile.ray_begin, &predictions};
     tracer.trace(rays, RayKind::kShadow, hits, &sink);
-    for (const PredictorUpdate& update : predictions.updates()) table.store_node(update);
+    for (const PredictorUpdate& update : predictions.updates()) table.apply_update(update);
   }
   const auto count = static_cast<std::uint32_t>(rays.size());
   tile.nodes = {

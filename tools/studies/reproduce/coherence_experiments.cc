@@ -5,7 +5,8 @@
 
 #include "tools/studies/reproduce/plan.h"
 
-// Mechanisms against incoherent rays: prefetching, sorting and gathering in T&I units, next to an L1 that always hits.
+// Mechanisms against incoherent rays: prefetching, predicting, sorting and gathering in T&I units, next to an L1 that
+// always hits.
 // Run and reference differ in one mechanism. Shader cores are ideal, so that T&I units never wait for rays.
 
 namespace tools::reproduce {
@@ -19,6 +20,7 @@ struct Mechanism {
 const Mechanism kIdeal{"ideal L1", {"ideal.l1=true"}};
 const Mechanism kStack{"stack prefetch", {"tni.trv.prefetch=stack"}};
 const Mechanism kTreelet{"treelet prefetch", {"tni.trv.prefetch=treelet"}};
+const Mechanism kPredictor{"predictor", {"tni.predictor.enabled=true"}};
 const Mechanism kSort{"sort", {"tni.dispatcher.sort=origin_octant"}};
 const Mechanism kGather{"gather", {"tni.trv.gather=node"}};
 
@@ -34,6 +36,7 @@ struct TracedRays {
 
 const TracedRays kPaths{"path rays", "path:1", {"render.depth=4"}};
 const TracedRays kPrimaries{"primary rays", "full:1", {"render.depth=1", "render.effects=none"}};
+const TracedRays kOcclusion{"occlusion rays", "full:1", {"render.depth=1", "render.effects=occlusion"}};
 
 Case coherence_case(const View& view, const std::string& setting, const TracedRays& rays, const Sets& run,
                     const Sets& reference, bool quick) {
@@ -46,6 +49,8 @@ Case coherence_case(const View& view, const std::string& setting, const TracedRa
 
 const std::vector<std::string> kOfPrefetch = {"prefetch_accuracy", "prefetch_coverage", "speedup", "energy_ratio",
                                               "l1_fills_ratio"};
+const std::vector<std::string> kOfPredictor = {"speedup", "energy_ratio", "visits_ratio", "rays_predicted",
+                                               "predictions_correct"};
 const std::vector<std::string> kOfOrder = {"speedup", "energy_ratio", "l1_first_hits_ratio", "l1_fills_ratio",
                                            "dram_bytes_ratio"};
 
@@ -61,6 +66,9 @@ void add_mechanisms(std::vector<Case>& cases, const View& view, bool quick) {
     add(kStack, rays, "stack prefetch 2026", kOfPrefetch);
     add(kTreelet, rays, "treelet prefetch 2023", kOfPrefetch);
   }
+  add(kIdeal, kOcclusion, "upper bound", {"speedup", "energy_ratio"});
+  add(kPredictor, kOcclusion, "predictor 2021", kOfPredictor);
+  add(kPredictor, kPrimaries, "predictor 2021", {"speedup", "energy_ratio"});
   add(kSort, kPaths, "sorting", kOfOrder);
   add(kGather, kPaths, "gathering", kOfOrder);
   if (quick) return;

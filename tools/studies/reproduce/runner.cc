@@ -14,6 +14,7 @@
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
+#include "hw_models/tni/predictor_stage.h"
 #include "hw_models/tni/trv.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/wavefront.h"
@@ -347,10 +348,22 @@ std::uint64_t triangle_tests_of(const ProgramResult& o) {
 std::uint64_t trv_counter(const ProgramResult& o, std::uint64_t hw::Trv::Stats::*counter) {
   return Units<hw::Trv>(o.simulation.units).sum_of(counter);
 }
+/// Returns a counter of prefetches, summed over the caches of nodes and of triangles.
+std::uint64_t prefetch_counter(const ProgramResult& o, std::uint64_t hw::Trv::Stats::*nodes,
+                               std::uint64_t hw::Ist::Stats::*triangles) {
+  return trv_counter(o, nodes) + Units<hw::Ist>(o.simulation.units).sum_of(triangles);
+}
+std::uint64_t prefetches_of(const ProgramResult& o) {
+  return prefetch_counter(o, &hw::Trv::Stats::prefetches, &hw::Ist::Stats::prefetches);
+}
 /// Returns the number of prefetched lines that a ray read, or needed before they arrived; 0 without a prefetcher.
 std::uint64_t needed_prefetches(const ProgramResult& o) {
-  if (trv_counter(o, &hw::Trv::Stats::prefetches) == 0) return 0;
-  return trv_counter(o, &hw::Trv::Stats::prefetches_useful) + trv_counter(o, &hw::Trv::Stats::prefetches_late);
+  if (prefetches_of(o) == 0) return 0;
+  return prefetch_counter(o, &hw::Trv::Stats::prefetches_useful, &hw::Ist::Stats::prefetches_useful) +
+         prefetch_counter(o, &hw::Trv::Stats::prefetches_late, &hw::Ist::Stats::prefetches_late);
+}
+std::uint64_t predictor_counter(const ProgramResult& o, std::uint64_t hw::PredictorStage::Stats::*counter) {
+  return Units<hw::PredictorStage>(o.simulation.units).sum_of(counter);
 }
 /// Returns the share of the lines read by units of one kind that hit the L1 at the first probe.
 template <class Unit>
@@ -488,16 +501,23 @@ constexpr std::array<Metric, 55> kMetrics = {{
     {"l1_fills_ratio", "lines brought into the T&I units' caches against the reference's", Shown::kFactor, true,
      [](const Comparison& c) { return ratio_of(lines_filled(c.run), lines_filled(c.reference)); }},
     {"prefetch_accuracy", "prefetched lines that a ray needed", Shown::kShare, true,
-     [](const Comparison& c) {
-       return ratio_of(needed_prefetches(c.run), trv_counter(c.run, &hw::Trv::Stats::prefetches));
-     }},
+     [](const Comparison& c) { return ratio_of(needed_prefetches(c.run), prefetches_of(c.run)); }},
     {"prefetch_coverage", "lines that rays needed and that were prefetched", Shown::kShare, true,
      [](const Comparison& c) {
-       const std::uint64_t prefetched = trv_counter(c.run, &hw::Trv::Stats::prefetches);
-       const std::uint64_t demanded =
-           Units<hw::Trv>(c.run.simulation.units).sum_of(&hw::FetchStats::l1_fills) - prefetched;
+       const std::uint64_t map = trv_counter(c.run, &hw::Trv::Stats::map_misses);
+       const std::uint64_t demanded = lines_filled(c.run) - prefetches_of(c.run) - map;
        const std::uint64_t needed = needed_prefetches(c.run);
        return ratio_of(needed, needed + demanded);
+     }},
+    {"rays_predicted", "rays looked up for which the predictor found a node", Shown::kShare, true,
+     [](const Comparison& c) {
+       return ratio_of(predictor_counter(c.run, &hw::PredictorStage::Stats::predicted),
+                       predictor_counter(c.run, &hw::PredictorStage::Stats::look_ups));
+     }},
+    {"predictions_correct", "of these, rays blocked below the node", Shown::kShare, true,
+     [](const Comparison& c) {
+       return ratio_of(predictor_counter(c.run, &hw::PredictorStage::Stats::correct),
+                       predictor_counter(c.run, &hw::PredictorStage::Stats::predicted));
      }},
     {"bounce_rays", "rays of the bounce", Shown::kCount, true,
      [](const Comparison& c) { return Value(static_cast<double>(c.run.bounce_rays)); }},
