@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "shader_kernels/programs/build_kernels.h"
+#include "shader_kernels/programs/pose_kernels.h"
+
 namespace kernels {
 
 namespace {
@@ -12,25 +15,29 @@ constexpr std::uint32_t kBatchSpace = 64 * 1024;  // bytes of the tile buffer fo
 
 BuildPass::BuildPass(std::unique_ptr<FrameProgram> program, const traces::MemoryImage& image,
                      const traces::TreeBuilds& builds, std::uint32_t frame)
-    : LeadingPass(std::move(program), frame), builds_(builds) {
-  if (builds.engine == traces::BuildEngine::kSrp && !builds.trees.empty()) kernels_.emplace(image, kBatchSpace);
+    : LeadingPass(std::move(program), frame), builds_(builds), passes_(kBatchSpace) {
+  add_pose_passes(builds.pose, passes_);
+  if (!has_unit()) add_build_passes(image, builds, passes_);
 }
 
 FrameRequirements BuildPass::requirements() const {
   FrameRequirements needs = LeadingPass::requirements();
-  if (builds_.engine == traces::BuildEngine::kUnit) needs.build = builds_.sizes;
-  if (kernels_) {
-    needs.region_bytes[static_cast<std::size_t>(traces::Region::kBuild)] = kernels_->scratch_bytes();
-    needs.region_bytes[static_cast<std::size_t>(traces::Region::kTree)] = kernels_->tree_bytes();
+  needs.region_bytes[static_cast<std::size_t>(traces::Region::kBuild)] = passes_.scratch_bytes();
+  if (has_unit()) {
+    needs.build = builds_.sizes;
+  } else {
+    needs.region_bytes[static_cast<std::size_t>(traces::Region::kTree)] = end_of_trees(builds_);
   }
   return needs;
 }
 
 void BuildPass::record_entry(std::uint32_t entry, StreamBuilder& stream, TileResult& out) const {
-  if (kernels_) return kernels_->record_entry(entry, stream, out.work);
-  const traces::TreeBuild& build = builds_.trees[entry];
+  const std::uint32_t first_build = passes_.entry_count();
+  if (entry < first_build) return passes_.record_entry(entry, stream, out.work);
+  const traces::TreeBuild& build = builds_.trees[entry - first_build];
   traces::set_build_arrays(build, out.work);
   stream.add_build(build.items);
+  out.work.after_all = entry == first_build && first_build > 0;
 }
 
 }  // namespace kernels

@@ -1,17 +1,17 @@
 #pragma once
 #include <memory>
-#include <optional>
 
-#include "shader_kernels/programs/build_kernels.h"
+#include "shader_kernels/programs/kernel_passes.h"
 #include "shader_kernels/programs/leading_pass.h"
 #include "traces/accel/tree_builds.h"
 
 namespace kernels {
 
-/// Wraps a frame program of a machine that builds trees. If the scene has moved, build passes before the entries of
-/// that program build and refit trees: an entry per tree for the tree builder, or the passes of kernels.
+/// Wraps a frame program of a machine that builds trees. If the scene has moved, passes before the entries of that
+/// program pose its geometry by kernels, then build and refit trees: by kernels, or an entry per tree for the tree
+/// builder.
 ///
-///   build passes: trees --> nodes, leaves --> all later passes: the program's own
+///   vertices --> posed vertices --> nodes, leaves --> all later passes: the program's own
 class BuildPass final : public LeadingPass {
  public:
   /// `image` and `builds` must outlive the program.
@@ -21,15 +21,16 @@ class BuildPass final : public LeadingPass {
   FrameRequirements requirements() const override;
 
  private:
+  bool has_unit() const { return builds_.engine == traces::BuildEngine::kUnit; }
   std::uint32_t leading_entries() const override {
-    return kernels_ ? kernels_->entry_count() : static_cast<std::uint32_t>(builds_.trees.size());
+    return passes_.entry_count() + (has_unit() ? static_cast<std::uint32_t>(builds_.trees.size()) : 0);
   }
   void record_entry(std::uint32_t entry, StreamBuilder& stream, TileResult& out) const override;
   /// Rays read trees only when they are complete, unless trees are written to other copies.
   bool is_awaited() const override { return builds_.sizes.shadow_bytes == 0; }
 
   const traces::TreeBuilds& builds_;
-  std::optional<KernelBuild> kernels_;  ///< present if kernels build the frame's tree
+  KernelPasses passes_;
 };
 
 }  // namespace kernels
