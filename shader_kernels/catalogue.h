@@ -8,6 +8,7 @@
 #include "shader_kernels/graph.h"
 #include "shader_kernels/kernels/build_tree.h"
 #include "shader_kernels/kernels/classify.h"
+#include "shader_kernels/kernels/collapse.h"
 #include "shader_kernels/kernels/denoise.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"
@@ -80,6 +81,8 @@ using AllKernels = std::tuple<
     FitNode, EncodeNode, EncodeLeaf, RefitLeaf, RefitNode,
     // Kernels that pose geometry.
     SkinVertex, PoseVertex, PoseInstance, BoundInstance,
+    // Kernels that make wide nodes.
+    CollapseNode, EncodeChild, QuantiseChild,
     // Kernels of the denoiser.
     ClearGuides, RecordGuide, RecordMovingGuide, SplitLight<true>, SplitLight<false>, AccumulateHistory<true>,
     AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,

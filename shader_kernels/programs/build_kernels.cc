@@ -5,9 +5,11 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/kernels/build_tree.h"
+#include "shader_kernels/kernels/collapse.h"
 #include "shader_kernels/kernels/pose.h"
 #include "traces/accel/node_format.h"
 
@@ -121,23 +123,47 @@ PassStream scatter_batches(Keys& keys, std::uint32_t digit, std::uint32_t batch)
   return written;
 }
 
+/// A tree within the image: its nodes from first to end - 1, and its first triangle.
+struct TreePart {
+  std::uint32_t first_node = 0, end_node = 0, first_triangle = 0;
+};
+
+/// Returns the parts of the trees that a frame builds, in the order of traces::tree_builds().
+std::vector<TreePart> parts_of(const traces::MemoryImage& image) {
+  const auto nodes = static_cast<std::uint32_t>(image.node_count());
+  if (!image.has_two_levels()) return {{0, nodes, 0}};
+  std::vector<TreePart> parts{{0, image.trees.empty() ? nodes : image.trees.front().first_node, 0}};
+  for (std::size_t i = 0; i < image.trees.size(); ++i) {
+    const traces::ObjectTree& tree = image.trees[i];
+    if (tree.only == traces::kNone || tree.triangles == 0) continue;
+    const bool is_last = i + 1 == image.trees.size();
+    parts.push_back({tree.first_node, is_last ? nodes : image.trees[i + 1].first_node, tree.first_triangle});
+  }
+  return parts;
+}
+
+BoxRecord<float> child_box(const traces::MemoryImage& image, std::uint32_t node, std::size_t c) {
+  if (image.is_wide()) {
+    const auto& p = image.wide_nodes[node].planes;
+    return {{p[0][0][c], p[1][0][c], p[2][0][c]}, {p[0][1][c], p[1][1][c], p[2][1][c]}};
+  }
+  const traces::NodeRecord& n = image.nodes[node];
+  return {{n.x[c], n.y[c], n.z[c]}, {n.x[2 + c], n.y[2 + c], n.z[2 + c]}};
+}
+
 /// Returns the boxes of a tree's triangles or instances, in input order.
-Boxes boxes_of(const traces::MemoryImage& image, const traces::TreeBuild& build) {
+Boxes boxes_of(const traces::MemoryImage& image, const traces::TreeBuild& build, const TreePart& part) {
   Boxes boxes(build.items);
   if (build.job.input == traces::BuildWork::Input::kInstances) {
-    const auto nodes = build.job.output[0].bytes / sizeof(traces::NodeRecord);
-    for (const traces::NodeRecord& node : std::span(image.nodes).first(nodes)) {
-      for (std::size_t c = 0; c < 2; ++c) {
-        if (!traces::is_instance(node.child[c])) continue;
-        boxes[traces::link_instance(node.child[c])] = {{node.x[c], node.y[c], node.z[c]},
-                                                       {node.x[2 + c], node.y[2 + c], node.z[2 + c]}};
+    for (std::uint32_t node = part.first_node; node < part.end_node; ++node) {
+      const std::span<const std::uint32_t> links = image.links_of(node);
+      for (std::size_t c = 0; c < links.size(); ++c) {
+        if (traces::is_instance(links[c])) boxes[traces::link_instance(links[c])] = child_box(image, node, c);
       }
     }
     return boxes;
   }
-  const std::uint64_t first = image.layout.nodes + build.job.output[1].offset - image.layout.triangles;
-  const auto leaves = std::span(image.triangles).subspan(first / sizeof(traces::TriangleRecord), build.items);
-  for (const traces::TriangleRecord& t : leaves) {
+  for (const traces::TriangleRecord& t : std::span(image.triangles).subspan(part.first_triangle, build.items)) {
     boxes[t.source] = {vector_of(glm::min(glm::min(t.v0, t.v1), t.v2)),
                        vector_of(glm::max(glm::max(t.v0, t.v1), t.v2))};
   }
@@ -154,19 +180,31 @@ enum Stage : std::uint32_t {
   kScatter,  ///< a stage per digit
   kLink = kScatter + 4,
   kFit,
+  kCollapse,
   kEncode,
 };
 
 /// Adds the passes of one tree.
 class TreePasses {
  public:
-  TreePasses(const traces::MemoryImage& image, const traces::TreeBuild& build, std::uint32_t morton_bits,
-             KernelPasses& passes)
-      : image_(image), build_(build), morton_bits_(morton_bits), passes_(passes) {
+  TreePasses(const traces::MemoryImage& image, const traces::TreeBuild& build, const TreePart& part,
+             std::uint32_t morton_bits, KernelPasses& passes)
+      : image_(image), build_(build), part_(part), morton_bits_(morton_bits), passes_(passes) {
     for (std::size_t i = 0; i < tree_.size(); ++i) {
       tree_[i] = {Region::kTree, true, build.job.output[i].offset, build.job.output[i].bytes};
     }
-    nodes_ = build.job.output[0].bytes / sizeof(traces::NodeRecord);
+    if (tree_[1].bytes == 0) {  // nodes and leaves are mixed in one array, which the passes write in two parts
+      tree_[1].bytes = n_ * (has_instances() ? sizeof(traces::InstanceRecord) : image.layout.triangle_bytes);
+      tree_[0].bytes -= tree_[1].bytes;
+      tree_[1].base = tree_[0].base + tree_[0].bytes;
+    }
+    for (std::uint32_t node = part.first_node; node < part.end_node; ++node) {
+      for (const std::uint32_t link : image.links_of(node)) {
+        if (link == traces::kNoChild) continue;
+        children_ += 1;
+        leaves_ += traces::is_leaf(link) ? 1 : 0;
+      }
+    }
   }
 
   void add_build() {
@@ -188,24 +226,29 @@ class TreePasses {
   }
 
   void add_refit() {
-    const std::uint64_t leaves = std::min(n_, nodes_ + 1);
     const std::uint64_t input = passes_.reserve(n_ * kTriangleBytes);
-    const std::uint64_t leaf_boxes = passes_.reserve(leaves * kBoxBytes);
+    const std::uint64_t leaf_boxes = passes_.reserve(leaves_ * kBoxBytes);
     const std::uint64_t node_boxes = passes_.reserve(nodes_ * kBoxBytes);
     PassStream old_leaves = tree_[1], old_nodes = tree_[0];
     old_leaves.is_written = old_nodes.is_written = false;
     passes_.add(
-        kLeaves, "refit_leaves", {{kKernelId<RefitLeaf>, n_}, {kKernelId<FitNode>, n_ - leaves}}, n_,
-        {read_stream(input, n_ * kTriangleBytes), old_leaves, tree_[1], write_stream(leaf_boxes, leaves * kBoxBytes)});
+        kLeaves, "refit_leaves", {{kKernelId<RefitLeaf>, n_}, {kKernelId<FitNode>, n_ - leaves_}}, n_,
+        {read_stream(input, n_ * kTriangleBytes), old_leaves, tree_[1], write_stream(leaf_boxes, leaves_ * kBoxBytes)});
+    std::vector<PassKernel> kernels{{kKernelId<RefitNode>, nodes_}};
+    if (image_.is_wide()) kernels = {{kKernelId<FitNode>, children_ - nodes_}, {child_kernel(), children_}};
     // The children of all nodes are the leaves, and all nodes but the root.
     passes_.add(
-        kFit, "refit_nodes", {{kKernelId<RefitNode>, nodes_}}, nodes_,
-        {old_nodes, read_stream(leaf_boxes, leaves * kBoxBytes), read_stream(node_boxes, (nodes_ - 1) * kBoxBytes),
+        kFit, "refit_nodes", std::move(kernels), nodes_,
+        {old_nodes, read_stream(leaf_boxes, leaves_ * kBoxBytes), read_stream(node_boxes, (nodes_ - 1) * kBoxBytes),
          tree_[0], write_stream(node_boxes, nodes_ * kBoxBytes)});
   }
 
  private:
   bool has_instances() const { return build_.job.input == traces::BuildWork::Input::kInstances; }
+  /// Returns the kernel that writes a child of a wide node.
+  traces::KernelId child_kernel() const {
+    return traces::is_quantised(image_.wide_format) ? kKernelId<QuantiseChild> : kKernelId<EncodeChild>;
+  }
 
   /// Adds the passes that compute boxes, and the grid of Morton codes, whose place is returned.
   std::uint64_t add_leaf_pass(std::uint64_t boxes) {
@@ -247,7 +290,7 @@ class TreePasses {
                 {read_stream(counts, count_bytes), write_stream(offsets, count_bytes)});
     const std::uint64_t places = passes_.reserve(0);
     std::uint32_t batches = 0;
-    Boxes boxes = boxes_of(image_, build_);
+    Boxes boxes = boxes_of(image_, build_, part_);
     Keys keys = code_boxes(boxes, morton_bits_);
     for (std::uint32_t digit = 0; digit < digits; ++digit) {
       const std::uint64_t from = keys_[digit % 2], to = keys_[1 - digit % 2];
@@ -276,16 +319,32 @@ class TreePasses {
     passes_.add(kFit, "fit", {{kKernelId<FitNode>, inner}}, inner,
                 {read_stream(boxes, inner * kBoxBytes), read_stream(hierarchy, inner * kBoxBytes),
                  write_stream(hierarchy, inner * kNodeBytes)});
+    if (image_.is_wide()) return add_wide_passes(boxes, hierarchy);
     passes_.add(kEncode, "encode_nodes", {{kKernelId<EncodeNode>, nodes_}}, nodes_,
                 {read_stream(hierarchy, inner * kNodeBytes), tree_[0]});
   }
 
+  /// Adds the passes that collapse the hierarchy to wide nodes. Each node that a wide node replaces is opened once.
+  void add_wide_passes(std::uint64_t boxes, std::uint64_t hierarchy) {
+    const std::uint64_t opened = children_ - nodes_, ids = passes_.reserve(children_ * sizeof(CountRecord<float>));
+    const std::uint64_t id_bytes = children_ * sizeof(CountRecord<float>);
+    passes_.add(kCollapse, "collapse", {{kKernelId<CollapseNode>, opened}}, opened,
+                {read_stream(hierarchy, opened * kNodeBytes), read_stream(boxes, leaves_ * kBoxBytes),
+                 write_stream(ids, id_bytes)});
+    passes_.add(kEncode, "encode_nodes", {{child_kernel(), children_}}, children_,
+                {read_stream(ids, id_bytes), read_stream(boxes, leaves_ * kBoxBytes),
+                 read_stream(hierarchy, (nodes_ - 1) * kBoxBytes), tree_[0]});
+  }
+
   const traces::MemoryImage& image_;
   const traces::TreeBuild& build_;
+  const TreePart part_;
   const std::uint32_t morton_bits_;
   KernelPasses& passes_;
   const std::uint64_t n_ = build_.items;
-  std::uint64_t nodes_ = 0, input_ = 0, records_ = 0;
+  const std::uint64_t nodes_ = part_.end_node - part_.first_node;
+  std::uint64_t children_ = 0, leaves_ = 0;  ///< children of all nodes, and of these leaves
+  std::uint64_t input_ = 0, records_ = 0;
   std::array<std::uint64_t, 2> keys_{};
   std::array<PassStream, 2> tree_;  ///< nodes, and leaf records or instances
 };
@@ -293,8 +352,11 @@ class TreePasses {
 }  // namespace
 
 void add_build_passes(const traces::MemoryImage& image, const traces::TreeBuilds& builds, KernelPasses& passes) {
-  for (const traces::TreeBuild& build : builds.trees) {
-    TreePasses tree(image, build, builds.morton_bits, passes);
+  if (builds.trees.empty()) return;
+  const std::vector<TreePart> parts = parts_of(image);
+  for (std::size_t i = 0; i < builds.trees.size(); ++i) {
+    const traces::TreeBuild& build = builds.trees[i];
+    TreePasses tree(image, build, parts.at(i), builds.morton_bits, passes);
     if (build.job.refit) {
       tree.add_refit();
     } else {

@@ -8,21 +8,23 @@
 
 namespace kernels {
 
-// Building and refitting binary trees with kernels on the shader cores (build.engine: srp). Each tree of a frame has
+// Building and refitting trees with kernels on the shader cores (build.engine: srp). Each tree of a frame has
 // these passes; all trees of a frame run a pass together:
 //
-//   leaf, bounds --> code --> histogram --> scan --> scatter x digits --> link --> fit --> encode
+//   leaf, bounds --> code --> histogram --> scan --> scatter x digits --> link --> fit --> collapse --> encode
 //   refit_leaves --> refit_nodes
 //
 // 1. Keys are Morton codes on a cubic grid over all centres, sorted by digits of eight bits. One pass counts all
 //    digits. A pass that scatters exchanges its 256 counts with the batches before it through memory. It sorts a batch
 //    in the tile buffer, and writes each digit's run of keys to its place.
 // 2. The hierarchy has one node per triangle less one; encode_node writes the nodes that the scene's tree has.
-// 3. A tree over instances reads a matrix and the mesh's box of each. pose_instance writes its leaves.
-// 4. A refit writes leaf records and boxes of leaves, then nodes, bottom up.
+// 3. For wide trees, collapse_node opens the largest child until a node is full, as often as the scene's tree has
+//    children.
+// 4. A tree over instances reads a matrix and the mesh's box of each. pose_instance writes its leaves.
+// 5. A refit writes leaf records and boxes of leaves, then nodes, bottom up.
 
-/// Adds the passes that build or refit the trees of a frame. `image` must have binary nodes of float pairs and leaf
-/// records of one triangle.
+/// Adds the passes that build or refit the trees of a frame. `image` must have binary nodes of float pairs or wide
+/// nodes, and leaf records of one triangle with its labels.
 void add_build_passes(const traces::MemoryImage& image, const traces::TreeBuilds& builds, KernelPasses& passes);
 
 /// Returns the end of the trees that `builds` writes, in bytes from the first node of the scene.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
+#include "shader_kernels/kernels/collapse.h"
 #include "traces/accel/build.h"
 #include "traces/accel/build/morton_order.h"
 #include "traces/scene/animation.h"
@@ -20,11 +21,9 @@ namespace {
 
 constexpr std::uint32_t kSpace = 64 * 1024, kBits = 30;
 
-traces::MemoryImage image_of(const char* scene, std::uint32_t leaf_size = 4,
-                             traces::InstanceLevels levels = traces::InstanceLevels::kFlatten) {
+traces::MemoryImage image_of(const char* scene, std::uint32_t leaf_size = 4) {
   traces::BvhConfig bvh;
   bvh.leaf_size = leaf_size;
-  bvh.instances = levels;
   return traces::build_memory_image(traces::open_scene(scene), bvh, 1);
 }
 
@@ -164,9 +163,18 @@ TEST(BuildKernels, RefitWithTheBytesOfTheClosedForm) {
   EXPECT_LT(1.8 * plan.bytes(), Plan(image).bytes());
 }
 
+std::vector<traces::BvhConfig> formats() {
+  std::vector<traces::BvhConfig> all(5);
+  all[1].width = 4;
+  all[2].width = 8, all[2].format = traces::NodeFormat::kQ8, all[2].leaf_size = 1;
+  all[3].width = 8, all[3].format = traces::NodeFormat::kCw80, all[3].leaf_size = 3;
+  all[4].instances = traces::InstanceLevels::kTwoLevel;
+  return all;
+}
+
 TEST(BuildKernels, WriteEachByteOfTheTreesOnce) {
-  for (const auto levels : {traces::InstanceLevels::kFlatten, traces::InstanceLevels::kTwoLevel}) {
-    const traces::MemoryImage image = image_of("village", 4, levels);
+  for (const traces::BvhConfig& bvh : formats()) {
+    const traces::MemoryImage image = traces::build_memory_image(traces::open_scene("cornell"), bvh, 1);
     for (const bool refit : {false, true}) {
       const Plan plan(image, refit);
       std::uint64_t expected = 0, items = 0, written = 0, leaves = 0;
@@ -192,6 +200,70 @@ TEST(BuildKernels, WriteEachByteOfTheTreesOnce) {
       EXPECT_EQ(leaves, items) << "as many leaves as triangles and instances";
     }
   }
+}
+
+TEST(BuildKernels, CollapseWithTheBytesOfTheClosedForm) {
+  traces::BvhConfig bvh;
+  bvh.width = 8;
+  const traces::MemoryImage image = traces::build_memory_image(traces::open_scene("teapot"), bvh, 1);
+  const auto nodes = static_cast<double>(image.wide_nodes.size());
+  double children = 0;
+  for (const traces::WideNode& node : image.wide_nodes) {
+    for (const std::uint32_t link : node.child) children += link == traces::kNoChild ? 0 : 1;
+  }
+  const double leaves = children - nodes + 1, node_bytes = static_cast<double>(image.layout.node_bytes) * nodes;
+  const Plan plan(image), refit(image, true);
+  EXPECT_NEAR(plan.bytes({"collapse"}), 40 * (leaves - 1) + 24 * leaves + 4 * children, 100);
+  EXPECT_NEAR(plan.bytes({"encode_nodes"}), 28 * children + node_bytes, 100);
+  EXPECT_NEAR(refit.bytes({"refit_nodes"}), 2 * node_bytes + 24 * children + 24 * nodes, 100);
+}
+
+TEST(BuildKernels, CollapseTheLargestInnerChild) {
+  // Node 0 has nodes 1 and 2, node 1 leaves 3 and 4, node 2 node 5 and leaf 6, node 5 leaves 7 and 8. Boxes are cubes.
+  constexpr std::uint32_t kLeaf = 1U << 31;
+  std::vector<BuildNodeRecord<float>> nodes(6);
+  std::vector<BoxRecord<float>> boxes;
+  for (const float side : {9.0F, 3.0F, 8.0F, 7.0F, 7.0F, 5.0F, 7.0F, 1.0F, 1.0F}) {
+    boxes.push_back({{0, 0, 0}, {side, side, side}});
+  }
+  nodes[0] = {{}, {}, 1, 2, 1, 2};
+  nodes[1] = {{}, {}, 3, 4, kLeaf | 3, kLeaf | 4};
+  nodes[2] = {{}, {}, 5, 6, 5, kLeaf | 6};
+  nodes[5] = {{}, {}, 7, 8, kLeaf | 7, kLeaf | 8};
+  WideChildren<float> wide{};
+  wide.area0 = 1, wide.count = 1;
+  CountRecord<float> number{};
+  CollapseNode::Ports<float> ports;
+  ports.wide_numbers.bind(&number);
+  ports.wide_children.bind(&wide);
+  ports.nodes.bind(nodes.data());
+  ports.boxes.bind(boxes.data());
+  const auto children = [&] {
+    std::vector<std::uint32_t> all = {wide.child0, wide.child1, wide.child2, wide.child3, wide.child4};
+    all.resize(wide.count);
+    return all;
+  };
+  const std::vector<std::vector<std::uint32_t>> expected = {{1, 2}, {1, 5, 6}, {1, 7, 6, 8}, {3, 7, 6, 8, 4}};
+  for (const std::vector<std::uint32_t>& after : expected) {
+    CollapseNode::body<float>(0U, ports);
+    EXPECT_EQ(children(), after);
+  }
+}
+
+TEST(BuildKernels, QuantiseBoxesOutward) {
+  NodeGrid<float> grid{{1, 2, 3}, {16, 8, 4}, 255};
+  BoxRecord<float> box{{1.5F, 2.01F, 3}, {2.53F, 4, 66.7F}};
+  CountRecord<float> wide{};
+  QuantisedChild<float> planes{};
+  QuantiseChild::Ports<float> ports;
+  ports.boxes.bind(&box);
+  ports.wide_numbers.bind(&wide);
+  ports.node_grids.bind(&grid);
+  ports.quantised.bind(&planes);
+  QuantiseChild::body<float>(0U, ports);
+  EXPECT_EQ(planes.x, 8U | 25U << 16) << "0.5 and 1.53 of 1/16";
+  EXPECT_EQ(planes.y, 0U | 16U << 16);
+  EXPECT_EQ(planes.z, 0U | 255U << 16);
 }
 
 TEST(BuildKernels, ScatterKeysToTheirPlaces) {
@@ -233,8 +305,14 @@ TEST(BuildKernels, FitTheirSpaceAndCoverAllItems) {
   }
 }
 
+traces::MemoryImage crowd_in_two_levels() {
+  traces::BvhConfig bvh;
+  bvh.instances = traces::InstanceLevels::kTwoLevel;
+  return traces::build_memory_image(traces::open_scene("crowd", {.triangles = 10000}), bvh, 1);
+}
+
 TEST(BuildKernels, RunAPassOfAllTreesTogether) {
-  const traces::MemoryImage image = image_of("crowd", 4, traces::InstanceLevels::kTwoLevel);
+  const traces::MemoryImage image = crowd_in_two_levels();
   const Plan plan(image);
   ASSERT_GT(plan.builds.trees.size(), 100U);
   std::uint32_t barriers = 0;

@@ -238,11 +238,11 @@ void RunConfig::check(auto&& complain) const {
     complain("build.engine",
              "is srp, whose kernels sort keys of one word; allowed with it: bvh.morton_bits of 24 or 30");
   }
-  if (bvh.is_wide() || bvh.node_format() != traces::NodeFormat::kFp32 || bvh.boxes != traces::BoxRecords::kPair ||
+  if (bvh.node_format() == traces::NodeFormat::kHybrid || bvh.boxes != traces::BoxRecords::kPair ||
       bvh.leaf != traces::LeafFormat::kTriangles || bvh.triangle_bytes != sizeof(traces::TriangleRecord)) {
     complain("build.engine",
-             "is srp, whose kernels write binary float nodes and leaves of a triangle; allowed with other formats of "
-             "bvh: host, unit");
+             "is srp, whose kernels write nodes of float or quantised boxes and leaves of a triangle; allowed with "
+             "other formats of bvh: host, unit");
   }
 }
 

@@ -115,7 +115,8 @@ TEST(BuiltFrames, RefuseWhatNoEngineBuilds) {
   const auto names = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   EXPECT_EQ(complaint({"build.engine=srp"}), "none");
   EXPECT_EQ(complaint({"build.engine=srp", "build.policy=refit", "bvh.instances=two_level"}), "none");
-  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.width=4"}), "build.engine"));
+  EXPECT_EQ(complaint({"build.engine=srp", "bvh.width=4"}), "none");
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.boxes=single"}), "build.engine"));
   EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.morton_bits=63"}), "build.engine"));
   EXPECT_TRUE(names(complaint({"build.engine=srp", "build.overlap=on"}), "overlap"));
   EXPECT_TRUE(names(complaint({"build.engine=unit", "bvh.builder=ploc"}), "tree_builder.comparators"));
