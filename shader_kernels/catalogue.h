@@ -8,6 +8,7 @@
 #include "shader_kernels/graph.h"
 #include "shader_kernels/kernels/build_tree.h"
 #include "shader_kernels/kernels/classify.h"
+#include "shader_kernels/kernels/collapse.h"
 #include "shader_kernels/kernels/denoise.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"
@@ -17,6 +18,7 @@
 #include "shader_kernels/kernels/light.h"
 #include "shader_kernels/kernels/path.h"
 #include "shader_kernels/kernels/pixels.h"
+#include "shader_kernels/kernels/pose.h"
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/record_hits.h"
 #include "shader_kernels/kernels/secondary_rays.h"
@@ -74,8 +76,13 @@ using AllKernels = std::tuple<
     SampleLightRough<true>, ChooseLobe<false>, ChooseLobe<true>, ScatterDiffuse<false>, ScatterDiffuse<true>,
     ScatterRough, AveragePaths, ShadePhysical<MipFilter::kNone, true>, ShadePhysical<MipFilter::kNearest, true>,
     ShadePhysical<MipFilter::kLinear, true>, ReflectRough, CastBounce, TakeBounce,
-    // Kernels that build trees.
-    BuildLeaf, SortHistogram, SortScan, SortScatter, LinkNode, FitNode, EncodeNode, EncodeLeaf,
+    // Kernels that build and refit trees.
+    BuildLeaf, BoundCentres, BoundBatches, MakeGrid, MortonCode, SortHistogram, SortScan, SortScatter, LinkNode,
+    FitNode, EncodeNode, EncodeLeaf, RefitLeaf, RefitNode,
+    // Kernels that pose geometry.
+    SkinVertex, PoseVertex, PoseInstance, BoundInstance,
+    // Kernels that make wide nodes.
+    CollapseNode, EncodeChild, QuantiseChild,
     // Kernels of the denoiser.
     ClearGuides, RecordGuide, RecordMovingGuide, SplitLight<true>, SplitLight<false>, AccumulateHistory<true>,
     AccumulateHistory<false>, UnpackTaps<true>, UnpackTaps<false>, FilterLight<true, TapSource::kFirst>,

@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-// Kernels that build a binary tree by sorting Morton codes (build.engine: srp). One launch of each kernel covers one
-// batch of triangles, records or nodes, which transfers move between memory and the tile buffer.
+// Kernels that build and refit a binary tree by sorting Morton codes (build.engine: srp). One launch of each kernel
+// covers one batch of triangles, records or nodes, which transfers move between memory and the tile buffer.
 
 /// Corners of a triangle, as vertex numbers select them from the scene's vertices.
 template <class V>
@@ -17,14 +17,21 @@ struct CornersRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.v0, r.v1, r.v2)); }
 };
 
-/// A triangle while its tree is built: box, corners and number, 68 bytes with a word for its material.
+/// A triangle while its tree is built: corners, number and material, 44 bytes. Its box is in an array of its own.
 template <class V>
 struct BuildLeafRecord {
-  Vec3<V> lower, upper, v0, v1, v2;
+  Vec3<V> v0, v1, v2;
   I<V> number, material;
-  static void fields(auto& r, auto&& field) {
-    name_all(field, NAMED_ALL(r.lower, r.upper, r.v0, r.v1, r.v2, r.number, r.material));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.v0, r.v1, r.v2, r.number, r.material)); }
+};
+
+/// The cubic grid of Morton codes: its lower corner, doubled, and half its cells per unit length, 16 bytes. The grid
+/// applies to the sum of a box's planes, which is twice the centre.
+template <class V>
+struct GridRecord {
+  Vec3<V> lower;
+  F<V> scale;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.lower, r.scale)); }
 };
 
 /// A Morton code and the number of its triangle.
@@ -94,40 +101,136 @@ Vec3<V> max_of(const Vec3<V>& a, const Vec3<V>& b) {
   return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
 }
 
-/// Moves the low eight bits of a word to every third bit.
+/// Moves the low ten bits of a word to every third bit.
 template <class V>
 I<V> spread_bits(const I<V>& x) {
-  I<V> bits = (x | (x << 8U)) & 0x00f00fU;
-  bits = (bits | (bits << 4U)) & 0x0c30c3U;
-  return (bits | (bits << 2U)) & 0x249249U;
+  I<V> bits = (x | (x << 16U)) & 0x030000ffU;
+  bits = (bits | (bits << 8U)) & 0x0300f00fU;
+  bits = (bits | (bits << 4U)) & 0x030c30c3U;
+  return (bits | (bits << 2U)) & 0x09249249U;
 }
 
-/// Computes a triangle's box, and its Morton code of eight bits per axis, which is that of the box's centre.
+/// Computes a triangle's box.
 struct BuildLeaf {
   static constexpr std::string_view kName = "build_leaf";
-  static constexpr std::string_view kMeaning = "triangle -> its box and Morton code";
+  static constexpr std::string_view kMeaning = "triangle -> its box and build record";
   template <class V>
   struct Ports {
     Local<V, CornersRecord> corners;
     Local<V, KeyRecord> inputs;  ///< material and number of each triangle
+    Local<V, BoxRecord> boxes;
     Local<V, BuildLeafRecord> leaves;
-    Local<V, KeyRecord> keys;
-    Vec3<V> scene_lower;  ///< sum of the scene's lower bounds with itself
-    Vec3<V> grid_scale;   ///< half the grid cells per unit length: scales lower + upper plane
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port, NAMED_ALL(p.corners, p.inputs, p.leaves, p.keys, p.scene_lower, p.grid_scale));
+      name_all(port, NAMED_ALL(p.corners, p.inputs, p.boxes, p.leaves));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
     const CornersRecord<V> t = io.corners.load(item);
     const KeyRecord<V> input = io.inputs.load(item);
-    const Vec3<V> lower = min_of<V>(min_of<V>(t.v0, t.v1), t.v2), upper = max_of<V>(max_of<V>(t.v0, t.v1), t.v2);
-    const Vec3<V> cell = (lower + upper - io.scene_lower) * io.grid_scale;
-    const auto code = [](const F<V>& x) { return spread_bits<V>(to_int(min(max(x, F<V>(0.0F)), F<V>(255.0F)))); };
-    const I<V> y = code(cell.y) << 1U, z = code(cell.z) << 2U;
-    io.leaves.store(item, {lower, upper, t.v0, t.v1, t.v2, input.number, input.key});
-    io.keys.store(item, {code(cell.x) | y | z, input.number});
+    io.boxes.store(item, {min_of<V>(min_of<V>(t.v0, t.v1), t.v2), max_of<V>(max_of<V>(t.v0, t.v1), t.v2)});
+    io.leaves.store(item, {t.v0, t.v1, t.v2, input.number, input.key});
+  }
+};
+
+/// Loop-carried corners of a box that grows item by item.
+template <class V>
+struct RunningBox {
+  LoopCarried<V> x0, y0, z0, x1, y1, z1;
+  static constexpr void describe(auto& b, auto&& port) {
+    name_all(port, NAMED_ALL(b.x0, b.y0, b.z0, b.x1, b.y1, b.z1));
+  }
+  /// Extends the box to contain the corners `lower` and `upper`, and returns it.
+  BoxRecord<V> extend(const Vec3<V>& lower, const Vec3<V>& upper) {
+    const Vec3<V> low{min(x0.get(), lower.x), min(y0.get(), lower.y), min(z0.get(), lower.z)};
+    const Vec3<V> high{max(x1.get(), upper.x), max(y1.get(), upper.y), max(z1.get(), upper.z)};
+    x0.set(low.x), y0.set(low.y), z0.set(low.z), x1.set(high.x), y1.set(high.y), z1.set(high.z);
+    return {low, high};
+  }
+};
+
+/// Computes the bounds of the centres of a batch's boxes, doubled.
+struct BoundCentres {
+  static constexpr std::string_view kName = "bound_centres";
+  static constexpr std::string_view kMeaning = "box -> bounds of the centres up to this item";
+  template <class V>
+  struct Ports {
+    Local<V, BoxRecord> boxes, bounds;
+    RunningBox<V> running;
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.boxes, p.bounds));
+      RunningBox<V>::describe(p.running, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const BoxRecord<V> box = io.boxes.load(item);
+    const Vec3<V> centre = box.lower + box.upper;
+    io.bounds.store(item, io.running.extend(centre, centre));
+  }
+};
+
+/// Computes the union of the bounds of all batches.
+struct BoundBatches {
+  static constexpr std::string_view kName = "bound_batches";
+  static constexpr std::string_view kMeaning = "bounds of a batch -> bounds of the batches up to it";
+  template <class V>
+  struct Ports {
+    Local<V, BoxRecord> boxes, bounds;
+    RunningBox<V> running;
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.boxes, p.bounds));
+      RunningBox<V>::describe(p.running, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const BoxRecord<V> box = io.boxes.load(item);
+    io.bounds.store(item, io.running.extend(box.lower, box.upper));
+  }
+};
+
+/// Lays the cubic grid of Morton codes over the bounds of all centres.
+struct MakeGrid {
+  static constexpr std::string_view kName = "make_grid";
+  static constexpr std::string_view kMeaning = "bounds of all centres -> grid of Morton codes";
+  template <class V>
+  struct Ports {
+    Local<V, BoxRecord> bounds;
+    Local<V, GridRecord> grids;
+    F<V> cells;  ///< cells per axis
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.bounds, p.grids, p.cells)); }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const BoxRecord<V> bounds = io.bounds.load(item);
+    const F<V> extent = max_channel<V>(bounds.upper - bounds.lower);
+    io.grids.store(item, {bounds.lower, select(F<V>(0.0F) < extent, io.cells / extent, F<V>(0.0F))});
+  }
+};
+
+/// Computes the Morton code of a box's centre: 8 or 10 bits per axis, interleaved, x highest.
+struct MortonCode {
+  static constexpr std::string_view kName = "morton_code";
+  static constexpr std::string_view kMeaning = "box -> Morton code of its centre";
+  template <class V>
+  struct Ports {
+    Local<V, BoxRecord> boxes;
+    Local<V, KeyRecord> keys;
+    Vec3<V> grid_lower;  ///< as GridRecord
+    F<V> grid_scale, last_cell;
+    I<V> first_number;  ///< number of the batch's first item
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.boxes, p.keys, p.grid_lower, p.grid_scale, p.last_cell, p.first_number));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const BoxRecord<V> box = io.boxes.load(item);
+    const Vec3<V> cell = (box.lower + box.upper - io.grid_lower) * io.grid_scale;
+    const auto code = [&](const F<V>& x) { return spread_bits<V>(to_int(min(max(x, F<V>(0.0F)), io.last_cell))); };
+    const I<V> x = code(cell.x) << 2U, y = code(cell.y) << 1U;
+    io.keys.store(item, {x | y | code(cell.z), io.first_number + item});
   }
 };
 
@@ -287,6 +390,55 @@ struct EncodeLeaf {
     const BuildLeafRecord<V> t = io.leaves.load(number);
     const I<V> object = io.objects.load(number).number;
     io.encoded_leaves.store(item, {t.v0, t.v1, t.v2, object, t.material, t.number});
+  }
+};
+
+/// Computes a triangle's box and leaf record again, after its vertices have moved.
+struct RefitLeaf {
+  static constexpr std::string_view kName = "refit_leaf";
+  static constexpr std::string_view kMeaning = "moved triangle in leaf order -> its box and leaf record";
+  template <class V>
+  struct Ports {
+    Local<V, CornersRecord> corners;
+    Local<V, LeafFields> old_leaves;  ///< for their labels
+    Local<V, BoxRecord> boxes;
+    Local<V, LeafFields> encoded_leaves;
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.corners, p.old_leaves, p.boxes, p.encoded_leaves));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const CornersRecord<V> t = io.corners.load(item);
+    const LeafFields<V> old = io.old_leaves.load(item);
+    io.boxes.store(item, {min_of<V>(min_of<V>(t.v0, t.v1), t.v2), max_of<V>(max_of<V>(t.v0, t.v1), t.v2)});
+    io.encoded_leaves.store(item, {t.v0, t.v1, t.v2, old.object, old.material, old.source});
+  }
+};
+
+/// Writes a node again from the new boxes of its children, and computes its own box. The children of node i have boxes
+/// 2 i and 2 i + 1.
+struct RefitNode {
+  static constexpr std::string_view kName = "refit_node";
+  static constexpr std::string_view kMeaning = "node and new boxes of its children -> refitted node and its box";
+  template <class V>
+  struct Ports {
+    Local<V, NodeFields> nodes;
+    Local<V, BoxRecord> boxes, fitted;
+    Local<V, NodeFields> encoded;
+    static constexpr void describe(auto& p, auto&& port) {
+      name_all(port, NAMED_ALL(p.nodes, p.boxes, p.fitted, p.encoded));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& io) {
+    const NodeFields<V> n = io.nodes.load(item);
+    const I<V> first = item << 1U;
+    const BoxRecord<V> a = io.boxes.load(first);
+    const BoxRecord<V> b = io.boxes.load(first + 1U);
+    io.fitted.store(item, {min_of<V>(a.lower, b.lower), max_of<V>(a.upper, b.upper)});
+    io.encoded.store(item, {a.lower.x, b.lower.x, a.upper.x, b.upper.x, a.lower.y, b.lower.y, a.upper.y, b.upper.y,
+                            a.lower.z, b.lower.z, a.upper.z, b.upper.z, n.left_link, n.right_link, 0U, 0U});
   }
 };
 

@@ -2,7 +2,8 @@
 
 #include <utility>
 
-#include "shader_kernels/programs/wavefront/tile_graph.h"
+#include "shader_kernels/programs/build_kernels.h"
+#include "shader_kernels/programs/pose_kernels.h"
 
 namespace kernels {
 
@@ -14,49 +15,29 @@ constexpr std::uint32_t kBatchSpace = 64 * 1024;  // bytes of the tile buffer fo
 
 BuildPass::BuildPass(std::unique_ptr<FrameProgram> program, const traces::MemoryImage& image,
                      const traces::TreeBuilds& builds, std::uint32_t frame)
-    : FrameProgram(0, 0), program_(std::move(program)), builds_(builds), frame_(frame) {
-  if (builds.engine == traces::BuildEngine::kSrp && !builds.trees.empty()) kernels_.emplace(image, kBatchSpace);
-}
-
-std::uint32_t BuildPass::pass_end(std::uint32_t tile_index) const {
-  return tile_index < build_count() ? build_count() : build_count() + program_->pass_end(tile_index - build_count());
+    : LeadingPass(std::move(program), frame), builds_(builds), passes_(kBatchSpace) {
+  add_pose_passes(builds.pose, passes_);
+  if (!has_unit()) add_build_passes(image, builds, passes_);
 }
 
 FrameRequirements BuildPass::requirements() const {
-  FrameRequirements needs = program_->requirements();
-  if (builds_.engine == traces::BuildEngine::kUnit) needs.build = builds_.sizes;
-  if (kernels_) {
-    needs.region_bytes[static_cast<std::size_t>(traces::Region::kBuild)] = kernels_->scratch_bytes();
-    needs.region_bytes[static_cast<std::size_t>(traces::Region::kTree)] = kernels_->tree_bytes();
+  FrameRequirements needs = LeadingPass::requirements();
+  needs.region_bytes[static_cast<std::size_t>(traces::Region::kBuild)] = passes_.scratch_bytes();
+  if (has_unit()) {
+    needs.build = builds_.sizes;
+  } else {
+    needs.region_bytes[static_cast<std::size_t>(traces::Region::kTree)] = end_of_trees(builds_);
   }
   return needs;
 }
 
-void BuildPass::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
-  if (tile_index >= build_count()) program_->begin_pass(tile_index - build_count(), tracer);
-}
-
-void BuildPass::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const {
-  if (tile_index >= build_count()) {
-    program_->run_tile(tile_index - build_count(), tracer, record, out);
-    // The trees must be complete before rays read them, unless rays read other copies.
-    if (tile_index == build_count() && build_count() > 0 && builds_.sizes.shadow_bytes == 0) out.work.after_all = true;
-    return;
-  }
-  out.clear_for_pass_entry(frame_, program_->tiles() + tile_index);
-  StreamBuilder stream(out.work, out.buffer.scratch.spare_nodes, record);
-  if (record && kernels_) {
-    kernels_->record_entry(tile_index, stream, out.work);
-  } else if (record) {
-    const traces::TreeBuild& build = builds_.trees[tile_index];
-    traces::set_build_arrays(build, out.work);
-    stream.add_build(build.items);
-  }
-  stream.finish();
-}
-
-void BuildPass::commit_tile(const TileResult& tile) {
-  if (tile.tile < program_->tiles()) program_->commit_tile(tile);
+void BuildPass::record_entry(std::uint32_t entry, StreamBuilder& stream, TileResult& out) const {
+  const std::uint32_t first_build = passes_.entry_count();
+  if (entry < first_build) return passes_.record_entry(entry, stream, out.work);
+  const traces::TreeBuild& build = builds_.trees[entry - first_build];
+  traces::set_build_arrays(build, out.work);
+  stream.add_build(build.items);
+  out.work.after_all = entry == first_build && first_build > 0;
 }
 
 }  // namespace kernels

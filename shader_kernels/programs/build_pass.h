@@ -1,50 +1,36 @@
 #pragma once
 #include <memory>
-#include <optional>
 
-#include "shader_kernels/programs/build_kernels.h"
-#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/kernel_passes.h"
+#include "shader_kernels/programs/leading_pass.h"
 #include "traces/accel/tree_builds.h"
 
 namespace kernels {
 
-/// Wraps a frame program of a machine that builds trees. If the scene has moved, build passes before the entries
-/// (mostly tiles) of that program build and refit trees: an entry per tree for the tree builder, or the passes of
-/// kernels.
+/// Wraps a frame program of a machine that builds trees. If the scene has moved, passes before the entries of that
+/// program pose its geometry by kernels, then build and refit trees: by kernels, or an entry per tree for the tree
+/// builder.
 ///
-///   build passes: trees --> nodes, leaves --> all later passes: the program's own
-///
-/// Entries of the build pass render no pixels. They are numbered as tiles after those of the program.
-class BuildPass final : public FrameProgram {
+///   vertices --> posed vertices --> nodes, leaves --> all later passes: the program's own
+class BuildPass final : public LeadingPass {
  public:
   /// `image` and `builds` must outlive the program.
   BuildPass(std::unique_ptr<FrameProgram> program, const traces::MemoryImage& image, const traces::TreeBuilds& builds,
             std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return build_count() + program_->tiles(); }
-  TileGridSize tile_grid_size() const override { return program_->tile_grid_size(); }
-  std::uint32_t pass_end(std::uint32_t tile_index) const override;
-  std::shared_ptr<const DenoiseHistory> make_history() const override { return program_->make_history(); }
   FrameRequirements requirements() const override;
-  void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
-  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
-  void commit_tile(const TileResult& tile) override;
-
-  const std::vector<float>& picture() const override { return program_->picture(); }
-  std::vector<float> move_picture_out() override { return program_->move_picture_out(); }
-  const Sampling& sampling() const override { return program_->sampling(); }
-  void enable_marks() override { program_->enable_marks(); }
-  const std::vector<SampleMark>& sample_marks() const override { return program_->sample_marks(); }
 
  private:
-  std::uint32_t build_count() const {
-    return kernels_ ? kernels_->entry_count() : static_cast<std::uint32_t>(builds_.trees.size());
+  bool has_unit() const { return builds_.engine == traces::BuildEngine::kUnit; }
+  std::uint32_t leading_entries() const override {
+    return passes_.entry_count() + (has_unit() ? static_cast<std::uint32_t>(builds_.trees.size()) : 0);
   }
+  void record_entry(std::uint32_t entry, StreamBuilder& stream, TileResult& out) const override;
+  /// Rays read trees only when they are complete, unless trees are written to other copies.
+  bool is_awaited() const override { return builds_.sizes.shadow_bytes == 0; }
 
-  const std::unique_ptr<FrameProgram> program_;
   const traces::TreeBuilds& builds_;
-  std::optional<KernelBuild> kernels_;  ///< present if kernels build the frame's tree
-  const std::uint32_t frame_;
+  KernelPasses passes_;
 };
 
 }  // namespace kernels

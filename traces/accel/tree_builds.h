@@ -5,6 +5,7 @@
 
 #include "traces/accel/build_config.h"
 #include "traces/accel/memory_image.h"
+#include "traces/accel/pose_work.h"
 #include "traces/stream.h"
 
 namespace traces {
@@ -21,6 +22,8 @@ struct TreeBuild {
 /// The trees that a frame builds and refits.
 struct TreeBuilds {
   BuildEngine engine = BuildEngine::kUnit;
+  std::uint32_t morton_bits = 30;  ///< bits of the keys by which kernels sort
+  PoseWork pose;                   ///< work of kernels before the trees, with any engine
   std::vector<TreeBuild> trees;
   BuildArraySizes sizes;
 };

@@ -161,11 +161,27 @@ TEST(TreesOfKernels, AreWrittenToTheLastByteAndMoveMoreThanTheBuilder) {
   EXPECT_GE(64 * written, kernels.image().layout.tree_bytes);
 }
 
+TEST(TreesOfKernels, MoveLessByRefitsThanByBuilds) {
+  const Method plain = method({}, "teapot");
+  Method built = method({}, "teapot"), refitted = method({}, "teapot");
+  built.build_trees(false, false, traces::BuildEngine::kSrp);
+  refitted.build_trees(true, false, traces::BuildEngine::kSrp);
+  const Outcome host = play(plain, {}), build = play(built, {}), refit = play(refitted, {});
+  EXPECT_EQ(refit.function.rgb, host.function.rgb);
+  const auto lines = [&](const Outcome& o) {
+    const auto of = [](const Outcome& run) { return run.sum("dma", "lines_written") + run.sum("dma", "lines_read"); };
+    return static_cast<double>(of(o) - of(host));
+  };
+  EXPECT_GT(lines(build) / lines(refit), 1.8);
+  EXPECT_LT(lines(build) / lines(refit), 5);
+  EXPECT_LT(refit.cycles, build.cycles);
+}
+
 TEST(TreesOfKernels, AreTheSameOnAnyEngine) {
-  const std::uint64_t machines = ::test::is_full_size() ? 30 : 2;
+  const std::uint64_t machines = ::test::is_full_size() ? 30 : 3;
   for (std::uint64_t seed = 0; seed < machines; ++seed) {
-    Method built = method();
-    built.build_trees(false, false, traces::BuildEngine::kSrp);
+    Method built = method(seed % 3 == 2 ? two_levels() : traces::BvhConfig{});
+    built.build_trees(seed % 3 == 1, false, traces::BuildEngine::kSrp);
     const GpuConfig config = test::random_config(2000 + seed);
     const Outcome fast = play(built, config);
     EXPECT_EQ(difference(fast, play(built, config, Engine::kOracle)), "") << seed;

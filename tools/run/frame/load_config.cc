@@ -235,16 +235,15 @@ void RunConfig::check(auto&& complain) const {
   if (bvh.builder == traces::TreeBuilder::kPloc) {
     complain("build.engine", "is srp, whose kernels sort Morton codes; allowed with bvh.builder: ploc: host, unit");
   }
-  using enum traces::BuildPolicy;
-  const bool rebuilds = bvh.update == traces::BvhUpdate::kRebuild;
-  if (build.policy != kRebuild && !(build.policy == kUpdate && rebuilds)) {
-    complain("build.policy", "refits, which no kernel does; allowed with build.engine=srp: rebuild");
-  }
-  if (bvh.is_wide() || bvh.node_format() != traces::NodeFormat::kFp32 || bvh.boxes != traces::BoxRecords::kPair ||
-      bvh.leaf != traces::LeafFormat::kTriangles || bvh.triangle_bytes != sizeof(traces::TriangleRecord) ||
-      bvh.instances != traces::InstanceLevels::kFlatten) {
+  constexpr std::uint32_t kMostMortonBits = 30;  // of keys in one word
+  if (bvh.morton_bits > kMostMortonBits) {
     complain("build.engine",
-             "is srp, whose kernels write binary float nodes and leaves of one level; allowed with "
+             "is srp, whose kernels sort keys of one word; allowed with it: bvh.morton_bits of 24 or 30");
+  }
+  if (bvh.node_format() == traces::NodeFormat::kHybrid || bvh.boxes != traces::BoxRecords::kPair ||
+      bvh.leaf != traces::LeafFormat::kTriangles || bvh.triangle_bytes != sizeof(traces::TriangleRecord)) {
+    complain("build.engine",
+             "is srp, whose kernels write nodes of float or quantised boxes and leaves of a triangle; allowed with "
              "other formats of bvh: host, unit");
   }
 }

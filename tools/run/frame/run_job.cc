@@ -143,8 +143,8 @@ bool is_refit(const Inputs& in) {
   return in.config.bvh.update == traces::BvhUpdate::kRefit;
 }
 
-/// Records the trees that the machine builds or refits for the current frame, and their cost.
-void note_built_trees(Inputs& in, bool refit) {
+/// Records the trees that the machine builds or refits for the current frame of `scene`, and their cost.
+void note_built_trees(Inputs& in, const traces::Scene& scene, bool refit) {
   const traces::BuildConfig& build = in.config.build;
   if (build.policy == traces::BuildPolicy::kCost) {
     in.costs = traces::tree_costs(in.image, in.config.bvh);
@@ -154,6 +154,8 @@ void note_built_trees(Inputs& in, bool refit) {
   in.builds =
       traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn, in.config.bvh.ploc_radius);
   in.builds.engine = build.engine;
+  in.builds.morton_bits = in.config.bvh.morton_bits;
+  in.builds.pose = traces::pose_work(scene, in.config.bvh.instances);
 }
 
 }  // namespace
@@ -211,7 +213,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parent_indices(in.image);
   in.builds.engine = in.config.build.engine;
-  if (moves) note_built_trees(in, false);
+  if (moves) note_built_trees(in, scene, false);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
@@ -239,7 +241,7 @@ bool pose_frame(Inputs& in, std::uint32_t frame) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
-  in.builds = {.engine = in.config.build.engine, .trees = {}, .sizes = {}};
+  in.builds = {.engine = in.config.build.engine, .pose = {}, .trees = {}, .sizes = {}};
   in.camera = in.moving.cameras.front();
   if (moved.lights) in.image.lights = in.moving.lights;
   in.update_seconds += sim::seconds_since(begin);
@@ -254,7 +256,7 @@ void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
   bvh.update = refit ? traces::BvhUpdate::kRefit : traces::BvhUpdate::kRebuild;
   traces::update_memory_image(in.moving, bvh, host_threads(threads), in.image, is_interrupted);
   in.parents = traces::parent_indices(in.image);
-  note_built_trees(in, refit);
+  note_built_trees(in, in.moving, refit);
   in.update_seconds += sim::seconds_since(begin);
 }
 
@@ -263,7 +265,7 @@ void go_to_frame(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progres
   const bool has_old_tree = pose_frame(in, frame == 0 ? 1 : frame - 1);
   const bool moved = pose_frame(in, frame);
   if (moved || has_old_tree) update_tree(in, threads, progress);
-  if (!moved) in.builds = {.engine = in.config.build.engine, .trees = {}, .sizes = {}};
+  if (!moved) in.builds = {.engine = in.config.build.engine, .pose = {}, .trees = {}, .sizes = {}};
 }
 
 bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shader_kernels/catalogue.h"
 #include "sim/error.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tools/run/frame/run_job.h"
@@ -38,17 +39,19 @@ std::string builds_of(const JobOptions& options) {
 }
 
 TEST(BuiltFrames, AreRebuiltOrRefittedByPolicy) {
-  const auto with = [](const std::vector<std::string>& sets) {
-    std::vector<std::string> all = {"build.engine=unit"};
-    all.insert(all.end(), sets.begin(), sets.end());
-    return builds_of(options_of("car", all));
-  };
-  EXPECT_EQ(with({}), "bbbb");
-  EXPECT_EQ(with({"bvh.update=refit"}), "brrr");
-  EXPECT_EQ(with({"build.policy=rebuild", "bvh.update=refit"}), "bbbb");
-  EXPECT_EQ(with({"build.policy=refit"}), "brrr");
-  EXPECT_EQ(with({"build.policy=period", "build.period=2"}), "brbr");
-  EXPECT_EQ(with({"build.policy=cost", "build.cost_growth=1000"}), "brrr");
+  for (const char* engine : {"build.engine=unit", "build.engine=srp"}) {
+    const auto with = [&](const std::vector<std::string>& sets) {
+      std::vector<std::string> all = {engine};
+      all.insert(all.end(), sets.begin(), sets.end());
+      return builds_of(options_of("car", all));
+    };
+    EXPECT_EQ(with({}), "bbbb");
+    EXPECT_EQ(with({"bvh.update=refit"}), "brrr");
+    EXPECT_EQ(with({"build.policy=rebuild", "bvh.update=refit"}), "bbbb");
+    EXPECT_EQ(with({"build.policy=refit"}), "brrr");
+    EXPECT_EQ(with({"build.policy=period", "build.period=2"}), "brbr");
+    EXPECT_EQ(with({"build.policy=cost", "build.cost_growth=1000"}), "brrr");
+  }
   EXPECT_EQ(builds_of(options_of("car", {"build.engine=unit", "build.policy=period", "build.period=2"}, "3:4")), "bb")
       << "the first frame of a run is built";
 }
@@ -79,6 +82,19 @@ TEST(BuiltFrames, CostTimeAndEnergyOfTheirEngine) {
   EXPECT_EQ(host.rendered.rgb, srp.rendered.rgb);
 }
 
+TEST(BuiltFrames, PoseGeometryByKernelsWithAnyEngine) {
+  for (const char* engine : {"build.engine=unit", "build.engine=srp"}) {
+    const auto launched_items = [&](const std::string& scene, const char* kernel) {
+      const FrameResult frame = first_frame(options_of(scene, {engine, "bvh.instances=two_level"}, "0"));
+      return frame.kernel_use.at(kernels::find_kernel(kernel)->id).items;
+    };
+    EXPECT_GT(launched_items("crowd", "skin_vertex"), 1000U) << engine;
+    EXPECT_GT(launched_items("car", "pose_instance"), 0U) << engine;
+  }
+  const FrameResult flat = first_frame(options_of("car", {"build.engine=unit"}, "0"));
+  EXPECT_GT(flat.kernel_use.at(kernels::find_kernel("pose_vertex")->id).items, 100U);
+}
+
 TEST(BuiltFrames, InvalidateWarmCaches) {
   const FrameResult cold = first_frame(options_of("car", {"build.engine=unit"}, "0"));
   const FrameResult warm = first_frame(options_of("car", {"build.engine=unit", "frame.start=warm"}, "0"));
@@ -98,10 +114,10 @@ std::string complaint(std::vector<std::string> sets) {
 TEST(BuiltFrames, RefuseWhatNoEngineBuilds) {
   const auto names = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   EXPECT_EQ(complaint({"build.engine=srp"}), "none");
-  EXPECT_TRUE(names(complaint({"build.engine=srp", "build.policy=refit"}), "build.policy"));
-  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.update=refit"}), "build.policy"));
-  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.width=4"}), "build.engine"));
-  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.instances=two_level"}), "build.engine"));
+  EXPECT_EQ(complaint({"build.engine=srp", "build.policy=refit", "bvh.instances=two_level"}), "none");
+  EXPECT_EQ(complaint({"build.engine=srp", "bvh.width=4"}), "none");
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.boxes=single"}), "build.engine"));
+  EXPECT_TRUE(names(complaint({"build.engine=srp", "bvh.morton_bits=63"}), "build.engine"));
   EXPECT_TRUE(names(complaint({"build.engine=srp", "build.overlap=on"}), "overlap"));
   EXPECT_TRUE(names(complaint({"build.engine=unit", "bvh.builder=ploc"}), "tree_builder.comparators"));
   EXPECT_EQ(complaint({"build.engine=unit", "bvh.builder=ploc", "tree_builder.comparators=16"}), "none");

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+
+#include "traces/accel/bvh_config.h"
+#include "traces/scene/scene.h"
+
+namespace traces {
+
+/// Geometry that a frame moves before its trees are built.
+struct PoseWork {
+  std::uint64_t skinned_vertices = 0;
+  std::uint64_t joints = 0;          ///< joints of all skins of these vertices
+  std::uint64_t rigid_vertices = 0;  ///< vertices that matrices of nodes move to the world
+  std::uint64_t rigid_instances = 0;
+  std::uint64_t moved_instances = 0;  ///< instances of which only the matrix changes
+  friend bool operator==(const PoseWork&, const PoseWork&) = default;
+};
+
+/// Returns the geometry of a scene that moves in frames whose geometry moves.
+///
+/// 1. A mesh with a skin moves, whatever its skin does in the frame.
+/// 2. An instance moves if a track moves its node or a parent of the node. With one level its vertices are moved to the
+///    world; with two levels only the instance moves.
+/// 3. Morph targets are not counted, nor are normals.
+PoseWork pose_work(const Scene& scene, InstanceLevels levels);
+
+}  // namespace traces
