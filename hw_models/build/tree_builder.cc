@@ -1,6 +1,7 @@
 #include "hw_models/build/tree_builder.h"
 
 #include <algorithm>
+#include <bit>
 
 #include <fmt/format.h>
 
@@ -58,33 +59,36 @@ bool TreeBuilder::take_job(sim::Time now) {
   runs_ = (items_ + config_.run - 1) / config_.run;
   records_in_memory_ = runs_ > 1;
   source_ = 1;  // the sort pass writes the other array
-  begin_pass(work().refit ? Pass::kRefit : Pass::kSort);
+  begin_pass(work().refit ? BuildPass::kRefit : BuildPass::kSort, now);
   return true;
 }
 
 /// Starts a pass over all items of the tree. For passes that read records, `runs_` is their number of runs.
-void TreeBuilder::begin_pass(Pass pass) {
+void TreeBuilder::begin_pass(BuildPass pass, sim::Time now) {
   pass_ = pass;
+  begun_at_ = now;
   entered_ = processed_ = 0;
   fetch_.clear_buffer();
   for (Output& output : outputs_) output.begin(0, 0);
   const Addr records = memory_.records[1 - source_];
   const std::uint64_t record_bytes = std::uint64_t{items_} * config_.record_bytes;
   switch (pass) {
-    case Pass::kSort:
+    case BuildPass::kSort:
       interval_ = (config_.clocks + 1) / 2;
       if (records_in_memory_) outputs_[0].begin(records, record_bytes);
       break;
-    case Pass::kMerge:
+    case BuildPass::kMerge:
       interval_ = config_.merge_interval;
       outputs_[0].begin(records, record_bytes);
       break;
-    case Pass::kEmit:
-    case Pass::kRefit:
-      interval_ = std::max(config_.clocks / 2, pass == Pass::kEmit ? comparison_cycles() : 0);
+    case BuildPass::kHierarchy:
+    case BuildPass::kRefit:
+      interval_ = std::max(config_.clocks / 2, pass == BuildPass::kHierarchy ? comparison_cycles() : 0);
       for (std::size_t i = 0; i < kOutputs; ++i) {
         outputs_[i].begin(memory_.tree + work().output[i].offset, work().output[i].bytes);
       }
+      break;
+    case BuildPass::kInvalidate:
       break;
   }
 }
@@ -110,8 +114,9 @@ TreeBuilder::RunRecord TreeBuilder::record_of(std::uint32_t item) const {
 void TreeBuilder::add_record_lines(std::uint32_t item, BuildLines& lines) const {
   const RunRecord record = record_of(item);
   const Addr first = memory_.records[source_] + record.index * config_.record_bytes;
-  // A line holds several records of its run and is read once.
-  if (record.is_first || first % kLineBytes == 0) lines.stage[0].add_bytes(first, config_.record_bytes);
+  // A line holds several records of its run and is read once, with the first of them.
+  const Addr end = first + config_.record_bytes, unread = record.is_first ? first : round_up_to_lines(first);
+  if (unread < end) lines.stage[0].add_bytes(unread, end - unread);
 }
 
 /// Adds the lines of a triangle or instance, given its number in input order.
@@ -130,14 +135,14 @@ void TreeBuilder::add_input_lines(std::uint32_t input, BuildLines& lines) const 
 
 BuildLines TreeBuilder::lines_of(std::uint32_t item) const {
   BuildLines lines;
-  if (pass_ == Pass::kSort) {
+  if (pass_ == BuildPass::kSort) {
     add_input_lines(item, lines);
     return lines;
   }
-  if (records_in_memory_ && pass_ != Pass::kRefit) add_record_lines(item, lines);
-  if (pass_ == Pass::kMerge) return lines;
+  if (records_in_memory_ && pass_ != BuildPass::kRefit) add_record_lines(item, lines);
+  if (pass_ == BuildPass::kMerge) return lines;
   add_input_lines(has_triangles() ? job_.work->build_order[work().first + item] : item, lines);
-  if (pass_ == Pass::kRefit) {
+  if (pass_ == BuildPass::kRefit) {
     const Output& nodes = outputs_[0];
     const std::uint64_t first = nodes.bytes * item / items_, end = nodes.bytes * (std::uint64_t{item} + 1) / items_;
     lines.stage[1].add_bytes(nodes.base + first, end - first);
@@ -168,16 +173,28 @@ bool TreeBuilder::begin_item(sim::Time now) {
 void TreeBuilder::count_item() {
   const std::uint64_t input =
       has_triangles() ? BuildMemory::kIndexBytes + 3 * BuildMemory::kPositionBytes : BuildMemory::kInstanceBytes;
-  if (pass_ != Pass::kMerge) {
+  if (pass_ != BuildPass::kMerge) {
     stats_.boxes += 1;
     stats_.input_bytes += input;
   }
-  if (pass_ == Pass::kSort) stats_.records_sorted += 1;
-  if (records_in_memory_ && (pass_ == Pass::kMerge || pass_ == Pass::kEmit)) {
-    stats_.records_merged += 1;
-    stats_.record_bytes_read += config_.record_bytes;
-  }
-  if (pass_ == Pass::kEmit || pass_ == Pass::kRefit) stats_.leaves_written += 1;
+  if (pass_ == BuildPass::kSort) count_sorted_record();
+  if (records_in_memory_ && (pass_ == BuildPass::kMerge || pass_ == BuildPass::kHierarchy)) count_merged_record();
+  if (pass_ == BuildPass::kHierarchy || pass_ == BuildPass::kRefit) stats_.leaves_written += 1;
+}
+
+void TreeBuilder::count_sorted_record() {
+  const std::uint32_t length = items_ / runs_, longer = items_ % runs_;  // as in record_of()
+  const bool in_longer = processed_ < std::uint64_t{longer} * (length + 1);
+  const auto levels = static_cast<std::uint32_t>(std::bit_width(length - (in_longer ? 0 : 1)));
+  stats_.records_sorted += 1;
+  stats_.sort_words += std::uint64_t{levels} * config_.record_words();
+}
+
+void TreeBuilder::count_merged_record() {
+  stats_.records_merged += 1;
+  stats_.record_bytes_read += config_.record_bytes;
+  stats_.head_words += config_.record_words();
+  stats_.merge_words += std::uint64_t{config_.merge_levels()} * config_.record_words();
 }
 
 bool TreeBuilder::end_item(sim::Time now) {
@@ -199,9 +216,9 @@ bool TreeBuilder::queue_outputs() {
     output.lines.add_bytes(first, static_cast<std::uint32_t>(bytes), job_.tile);
     output.cursor += bytes;
     if (output.cursor == output.bytes) output.lines.close_line();
-    const bool is_tree = pass_ == Pass::kEmit || pass_ == Pass::kRefit;
+    const bool is_tree = pass_ == BuildPass::kHierarchy || pass_ == BuildPass::kRefit;
     (is_tree ? stats_.tree_bytes_written : stats_.record_bytes_written) += bytes;
-    if (pass_ == Pass::kRefit && &output == outputs_.data()) stats_.node_bytes_read += bytes;
+    if (pass_ == BuildPass::kRefit && &output == outputs_.data()) stats_.node_bytes_read += bytes;
     moved = true;
   }
   return moved;
@@ -215,25 +232,36 @@ bool TreeBuilder::outputs_are_sent() const {
 bool TreeBuilder::end_pass(sim::Time now) {
   if (state_ == State::kPass) {
     if (processed_ < items_ || !outputs_are_sent()) return false;
-    if (pass_ == Pass::kSort || pass_ == Pass::kMerge) {
-      if (pass_ == Pass::kMerge) runs_ = (runs_ + config_.ways - 1) / config_.ways;
+    notify_pass_end(now, pass_);
+    if (pass_ == BuildPass::kSort || pass_ == BuildPass::kMerge) {
+      if (pass_ == BuildPass::kMerge) runs_ = (runs_ + config_.ways - 1) / config_.ways;
       source_ = 1 - source_;
-      begin_pass(runs_ > config_.ways ? Pass::kMerge : Pass::kEmit);
+      begin_pass(runs_ > config_.ways ? BuildPass::kMerge : BuildPass::kHierarchy, now);
       return true;
     }
-    (pass_ == Pass::kRefit ? stats_.trees_refitted : stats_.trees_built) += 1;
+    (pass_ == BuildPass::kRefit ? stats_.trees_refitted : stats_.trees_built) += 1;
     (has_triangles() ? stats_.triangles : stats_.instances) += items_;
     stats_.comparisons += work().comparisons;
     stats_.caches_invalidated += 1;
     state_ = State::kInvalidating;
+    begun_at_ = now;
     busy_until_ = clock_.edge_after(now, config_.invalidate);
     return true;
   }
-  if (state_ == State::kInvalidating && now >= busy_until_) state_ = State::kLeaving;
+  if (state_ == State::kInvalidating && now >= busy_until_) {
+    notify_pass_end(now, BuildPass::kInvalidate);
+    state_ = State::kLeaving;
+  }
   if (state_ != State::kLeaving || !links_.done_out.can_push(now)) return false;
   links_.done_out.push(now, TileDone{job_.work, traces::WorkNode::kNone, job_.tile});
   state_ = State::kIdle;
   return true;
+}
+
+void TreeBuilder::notify_pass_end(sim::Time now, BuildPass pass) const {
+  if (links_.observer == nullptr) return;
+  const bool has_runs = pass != BuildPass::kRefit && pass != BuildPass::kInvalidate;
+  notify(*links_.observer, BuildPassEnded{pass, job_.tile, items_, has_runs ? runs_ : 0, begun_at_, now});
 }
 
 bool TreeBuilder::send_line(sim::Time now) {
@@ -284,9 +312,8 @@ sim::Time TreeBuilder::next_wake(sim::Time now, bool moved) const {
 
 std::string TreeBuilder::state() const {
   if (state_ == State::kIdle) return "idle";
-  constexpr std::array kPasses{"sorting", "merging", "emitting", "refitting"};
-  return fmt::format("{} item {} of {}, items in the window {}, lines on their way {}",
-                     kPasses[static_cast<std::size_t>(pass_)], processed_, items_, fetch_.items_in_window(),
+  return fmt::format("{}: item {} of {}, items in the window {}, lines on their way {}",
+                     names_of(pass_)[static_cast<std::size_t>(pass_)], processed_, items_, fetch_.items_in_window(),
                      fetch_.outstanding_lines());
 }
 

@@ -8,6 +8,7 @@
 #include "hw_models/build/build_fetch.h"
 #include "hw_models/build/tree_builder_config.h"
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/memory/write_combiner.h"
 #include "hw_models/srp/messages.h"
@@ -49,6 +50,7 @@ struct BuildMemory {
 struct TreeBuilderStats {
   std::uint64_t trees_built = 0, trees_refitted = 0, triangles = 0, instances = 0;
   std::uint64_t boxes = 0, records_sorted = 0, records_merged = 0, leaves_written = 0, comparisons = 0;
+  std::uint64_t sort_words = 0, head_words = 0, merge_words = 0;
   std::uint64_t input_bytes = 0, record_bytes_written = 0, record_bytes_read = 0, node_bytes_read = 0;
   std::uint64_t tree_bytes_written = 0;
   std::uint64_t buffer_hits = 0, buffer_misses = 0, buffer_fills = 0, writes = 0;
@@ -60,8 +62,11 @@ struct TreeBuilderStats {
     counter(NAMED(s.triangles), "triangles of these trees");
     counter(NAMED(s.instances), "instances of these trees");
     counter(NAMED(s.boxes), "boxes of triangles and instances computed", "build.box");
-    counter(NAMED(s.records_sorted), "records sorted on chip", "build.sort");
-    counter(NAMED(s.records_merged), "records merged from runs", "build.merge");
+    counter(NAMED(s.records_sorted), "records sorted on chip");
+    counter(NAMED(s.sort_words), "words of 8 bytes that pass a level of the on-chip sort", "build.sort");
+    counter(NAMED(s.records_merged), "records merged from runs");
+    counter(NAMED(s.head_words), "words of 8 bytes read from heads of runs", "build.head_read");
+    counter(NAMED(s.merge_words), "words of 8 bytes that pass a level of the tournament between heads", "build.merge");
     counter(NAMED(s.leaves_written), "triangles and instances added to the hierarchy, or refitted", "build.hierarchy");
     counter(NAMED(s.comparisons), "comparisons of clusters by PLOC", "build.compare");
     counter(NAMED(s.input_bytes), "bytes of vertices, vertex numbers and instances used");
@@ -91,6 +96,8 @@ struct TreeBuilderStats {
 /// For a tree of PLOC, it also compares clusters in a window of the sorted stream.
 /// 4. A pass starts when all lines of the previous pass have been written.
 /// 5. After each tree, all first-level caches are invalidated, because they may hold lines of the old tree.
+/// 6. A record passes one level of the on-chip sort per doubling of its run, and all levels of the tournament that
+/// merges `ways` runs.
 ///
 /// The host built the tree beforehand; the unit moves its bytes. Not modelled: the order in which a merge empties its
 /// runs (they advance in turn), the time to drain the on-chip sort at the end of a run, stacks of the hierarchy.
@@ -128,6 +135,7 @@ class TreeBuilder {
     sim::Link<TileDone>& done_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
+    Observer* observer = nullptr;
   };
 
   TreeBuilder(const TreeBuilderConfig& config, const BuildMemory& memory, Links links, std::uint16_t client,
@@ -152,7 +160,6 @@ class TreeBuilder {
 
  private:
   enum class State : std::uint8_t { kIdle, kPass, kInvalidating, kLeaving };
-  enum class Pass : std::uint8_t { kSort, kMerge, kEmit, kRefit };
   /// An array that a pass writes in order.
   struct Output {
     Output(std::uint32_t queue, std::uint16_t client) : lines(queue, client) {}
@@ -180,7 +187,8 @@ class TreeBuilder {
   const traces::WorkNode& node() const { return job_.work->nodes.front(); }
   const traces::BuildWork& work() const { return job_.work->build[node().first]; }
   bool has_triangles() const { return work().input == traces::BuildWork::Input::kTriangles; }
-  void begin_pass(Pass pass);
+  void begin_pass(BuildPass pass, sim::Time now);
+  void notify_pass_end(sim::Time now, BuildPass pass) const;
   std::uint32_t comparison_cycles() const;
   /// Returns the record that the merge reads as item `item`.
   RunRecord record_of(std::uint32_t item) const;
@@ -188,6 +196,8 @@ class TreeBuilder {
   void add_input_lines(std::uint32_t input, BuildLines& lines) const;
   BuildLines lines_of(std::uint32_t item) const;
   void count_item();
+  void count_sorted_record();
+  void count_merged_record();
   bool outputs_lag() const;
   bool outputs_are_sent() const;
   CycleReason cycle_reason(sim::Time at, bool looked, bool sent) const;
@@ -203,7 +213,8 @@ class TreeBuilder {
 
   State state_ = State::kIdle;
   TileJob job_;
-  Pass pass_ = Pass::kSort;
+  BuildPass pass_ = BuildPass::kSort;
+  sim::Time begun_at_ = 0;  ///< begin of the current pass or invalidation
   std::uint32_t items_ = 0;
   std::uint32_t runs_ = 0;    ///< runs that the current pass reads, or that the sort pass writes
   std::uint32_t source_ = 0;  ///< array of records that the current pass reads

@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -35,8 +36,8 @@ struct TreeBuilderConfig {
     field(NAMED(c.run), "triangles", "triangles sorted on chip into a run", sim::between(1, 1 << 20), Affects::kTiming);
     field(NAMED(c.ways), "runs", "runs merged at the same time", sim::between(2, 4096), Affects::kTiming);
     field(NAMED(c.record_bytes), "bytes",
-          "bytes of a sorted record: 8 for key and number, or 32 with the triangle's box", sim::between(8, 32),
-          Affects::kTiming);
+          "bytes of a sorted record: 8 for key and number, 12 with keys of 63 bits, 24 more with the triangle's box",
+          sim::between(8, 36), Affects::kTiming);
     field.group(NAMED(c.buffer), "input buffer of vertices, vertex numbers and nodes");
     field(NAMED(c.lookups), "lines", "lines looked up in the input buffer per cycle", sim::between(1, 8),
           Affects::kTiming);
@@ -53,10 +54,15 @@ struct TreeBuilderConfig {
   void check(auto&& complain) const {
     buffer.check(
         [&](const char* key, const std::string& what) { complain((std::string("buffer.") + key).c_str(), what); });
-    if (record_bytes != 8 && record_bytes != 32) {
-      complain("record_bytes", "is " + std::to_string(record_bytes) + "; allowed: 8 or 32");
+    if (record_bytes != 8 && record_bytes != 12 && record_bytes != 32 && record_bytes != 36) {
+      complain("record_bytes", "is " + std::to_string(record_bytes) + "; allowed: 8, 12, 32, 36");
     }
   }
+
+  /// Returns the words of 8 bytes that a sorted record takes on chip.
+  std::uint32_t record_words() const { return (record_bytes + 7) / 8; }
+  /// Returns the levels of the tournament that merges runs.
+  std::uint32_t merge_levels() const { return static_cast<std::uint32_t>(std::bit_width(ways - 1)); }
 
   /// Returns the parts of the tree builder whose number is configurable, for its area.
   std::vector<sim::UnitPart> parts() const { return {{"comparator", comparators}}; }

@@ -152,10 +152,11 @@ Gpu::BuilderWires Gpu::link_builder() {
 }
 
 void Gpu::build_tree_builder(const Workload& workload, const MemoryPort& memory) {
-  builder_ = &machine_.build<TreeBuilder>(
-      builder_wires_->unit, config_.tree_builder, build_memory_of(config_, workload),
-      TreeBuilder::Links{builder_wires_->jobs, builder_wires_->done, memory.requests, memory.responses}, memory.client,
-      tni_clock_, config_.ideal.l1);
+  builder_ =
+      &machine_.build<TreeBuilder>(builder_wires_->unit, config_.tree_builder, build_memory_of(config_, workload),
+                                   TreeBuilder::Links{builder_wires_->jobs, builder_wires_->done, memory.requests,
+                                                      memory.responses, workload.observer},
+                                   memory.client, tni_clock_, config_.ideal.l1);
 }
 
 Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId memory_interface) {

@@ -95,6 +95,20 @@ struct TransferEnded {
   std::uint32_t bytes = 0;
   sim::Time begin = 0, end = 0;
 };
+/// Steps of the tree builder on a tree: passes over its triangles or instances, and the invalidation of caches after
+/// it.
+enum class BuildPass : std::uint8_t { kSort, kMerge, kHierarchy, kRefit, kInvalidate };
+constexpr std::array<std::string_view, 5> names_of(BuildPass) {
+  return {"sort", "merge", "hierarchy", "refit", "invalidate"};
+}
+/// Event: the tree builder has ended a step on a tree.
+struct BuildPassEnded {
+  BuildPass pass = BuildPass::kSort;
+  TileTag tile = kNoTile;
+  std::uint32_t items = 0;  ///< triangles or instances of the tree
+  std::uint32_t runs = 0;   ///< runs of sorted records that the pass writes (kSort) or reads; 0 for other steps
+  sim::Time begin = 0, end = 0;
+};
 /// Event: a core port has forwarded a request to read or write a line.
 struct LineRequested {
   TileTag tile = kNoTile;
@@ -128,9 +142,9 @@ struct DramServed {
 };
 
 /// An event of any kind. Frequent kinds are first, because handle_event() compares kinds in this order.
-using Event =
-    std::variant<LineRequested, L2LookedUp, DramServed, L2Filled, RowActivated, L2Written, LoopCharged, BatchStarted,
-                 BatchEnded, TransferEnded, LoopEnded, TileDispatched, TileFinished, TileStarted, TileEnded>;
+using Event = std::variant<LineRequested, L2LookedUp, DramServed, L2Filled, RowActivated, L2Written, LoopCharged,
+                           BatchStarted, BatchEnded, TransferEnded, LoopEnded, TileDispatched, TileFinished,
+                           TileStarted, TileEnded, BuildPassEnded>;
 
 /// Receives the events of a simulated machine as they happen. An observer does not change the simulation.
 class Observer {

@@ -32,12 +32,13 @@ inline TileWork strip(std::uint32_t triangles, bool refit = false) {
 /// Test harness for a tree builder, with a dispatcher that sends trees and a memory of fixed latency.
 class BuilderHarness {
  public:
-  explicit BuilderHarness(const TreeBuilderConfig& config, bool ideal = false, std::uint32_t latency = 20)
+  explicit BuilderHarness(const TreeBuilderConfig& config, bool ideal = false, std::uint32_t latency = 20,
+                          Observer* observer = nullptr)
       : memory_map_(kArrays, kTree, kSizes, config.record_bytes),
         from_memory_(machine_.link<MemResponse>(64, latency, memory_id_, unit_id_)),
         unit_(machine_.build<TreeBuilder>(unit_id_, config, memory_map_,
-                                          TreeBuilder::Links{jobs_, dones_, to_memory_, from_memory_}, std::uint16_t{3},
-                                          clock_, ideal)) {
+                                          TreeBuilder::Links{jobs_, dones_, to_memory_, from_memory_, observer},
+                                          std::uint16_t{3}, clock_, ideal)) {
     machine_.build<Dispatcher>(dispatcher_id_, *this);
     machine_.build<Memory>(memory_id_, *this);
   }

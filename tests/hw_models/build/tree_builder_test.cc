@@ -1,9 +1,13 @@
 #include "hw_models/build/tree_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <map>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +101,58 @@ TEST(TreeBuilder, MergesMoreRunsThanWaysInSeveralPasses) {
   }
 }
 
+TEST(TreeBuilder, ComparesOncePerDoublingOfARunAndPerLevelOfTheTournament) {
+  struct Expected {
+    std::uint32_t run, ways, triangles;
+    double sort_levels, merge_levels;  // of a record
+  };
+  // 400 triangles in 7 runs: 58, 57, 57, ... records of six levels.
+  for (const Expected& e :
+       {Expected{2048, 128, 2048, 11, 0}, Expected{2048, 128, 16, 4, 0}, Expected{64, 128, 400, 6, 7},
+        Expected{64, 16, 400, 6, 4}, Expected{64, 5, 64 * 25, 6, 2 * 3}, Expected{1, 4, 4, 0, 2}}) {
+    for (const std::uint32_t bytes : {8U, 12U, 32U, 36U}) {
+      TreeBuilderConfig config;
+      config.run = e.run;
+      config.ways = e.ways;
+      config.record_bytes = bytes;
+      const TileWork tree = strip(e.triangles);
+      const TreeBuilderStats stats = BuilderHarness(config).add(tree).run().stats();
+      const double words = e.triangles * std::ceil(bytes / 8.0);
+      EXPECT_EQ(static_cast<double>(stats.sort_words), e.sort_levels * words) << e.run << " " << bytes;
+      EXPECT_EQ(static_cast<double>(stats.merge_words), e.merge_levels * words) << e.ways << " " << bytes;
+    }
+  }
+  TreeBuilderConfig uneven;
+  uneven.run = 4;
+  const TileWork tree = strip(9);  // three runs of three records: two levels each
+  EXPECT_EQ(BuilderHarness(uneven).add(tree).run().stats().sort_words, 9U * 2);
+}
+
+TEST(TreeBuilder, NotifiesObserversOfEachPass) {
+  struct Passes final : Observer {
+    void on_event(const Event& event) override {
+      if (const auto* pass = std::get_if<BuildPassEnded>(&event)) all.push_back(*pass);
+    }
+    std::vector<BuildPassEnded> all;
+  } passes;
+  const TileWork tree = strip(100), moved = strip(30, true);
+  BuilderHarness harness(small_builder(), false, 20, &passes);
+  harness.add(tree).add(moved).run();
+  using enum BuildPass;
+  const std::vector<BuildPass> expected = {kSort, kMerge, kHierarchy, kInvalidate, kRefit, kInvalidate};
+  ASSERT_EQ(passes.all.size(), expected.size());
+  sim::Time end = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const BuildPassEnded& pass = passes.all[i];
+    EXPECT_EQ(pass.pass, expected[i]);
+    EXPECT_EQ(pass.items, i < 4 ? 100U : 30U);
+    EXPECT_EQ(pass.runs, i < 2 ? 7U : i == 2 ? 2U : 0U);
+    EXPECT_GE(pass.begin, end);
+    EXPECT_GT(pass.end, pass.begin);
+    end = pass.end;
+  }
+}
+
 TEST(TreeBuilder, WritesEachByteOfTheTreeOnce) {
   for (const bool refit : {false, true}) {
     const TileWork tree = strip(333, refit);
@@ -119,25 +175,30 @@ TEST(TreeBuilder, WritesEachByteOfTheTreeOnce) {
 }
 
 TEST(TreeBuilder, ReadsEachLineOfRecordsOncePerPass) {
-  const TileWork tree = strip(300);  // 19 runs: one intermediate merge, which leaves five runs; another leaves two
-  BuilderHarness harness(small_builder());
-  harness.add(tree).run();
-  std::map<Addr, int> times;
-  for (const Addr line : harness.read()) {
-    if (line >= harness.memory_map().records[0]) times[line] += 1;
-  }
-  // A line at the boundary of two runs belongs to both.
-  const auto array = [&](std::size_t i) {
-    int lines = 0;
-    for (Addr at = harness.memory_map().records[i]; at < harness.memory_map().records[i] + 300 * 8; at += kLineBytes) {
-      EXPECT_GE(times[at], 1);
-      lines += times[at];
+  for (const std::uint32_t bytes : {8U, 12U, 36U}) {
+    const TileWork tree = strip(300);  // 19 runs: one intermediate merge, which leaves five runs; another leaves two
+    TreeBuilderConfig config = small_builder();
+    config.record_bytes = bytes;
+    BuilderHarness harness(config);
+    harness.add(tree).run();
+    std::map<Addr, int> times;
+    for (const Addr line : harness.read()) {
+      if (line >= harness.memory_map().records[0]) times[line] += 1;
     }
-    return lines;
-  };
-  constexpr int kLines = (300 * 8 + 63) / 64;
-  EXPECT_LE(array(0), 2 * kLines + 19 + 2) << "written by the sort and by the second merge";
-  EXPECT_LE(array(1), kLines + 5);
+    // A line at the boundary of two runs belongs to both.
+    const auto array = [&](std::size_t i) {
+      int lines = 0;
+      const Addr begin = harness.memory_map().records[i];
+      for (Addr at = begin; at < begin + Addr{300} * bytes; at += kLineBytes) {
+        EXPECT_GE(times[at], 1);
+        lines += times[at];
+      }
+      return lines;
+    };
+    const int lines = static_cast<int>((300 * bytes + 63) / 64);
+    EXPECT_LE(array(0), 2 * lines + 19 + 2) << "written by the sort and by the second merge";
+    EXPECT_LE(array(1), lines + 5);
+  }
 }
 
 TEST(TreeBuilder, ReadsFewerLinesIfNeighboursShareVertices) {
@@ -189,7 +250,7 @@ TEST(TreeBuilder, IsTheSameForEngineAndOracle) {
     config.merge_interval = draw(1, 3);
     config.run = draw(2, 40);
     config.ways = 1 + draw(3, 6);
-    config.record_bytes = seed % 2 == 0 ? 8 : 32;
+    config.record_bytes = std::array{8U, 12U, 32U, 36U}[seed % 4];
     config.buffer.mshrs = draw(4, 8);
     config.lookups = draw(5, 3);
     config.window = draw(6, 16);

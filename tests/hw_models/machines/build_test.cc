@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/full_size.h"
+#include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "traces/accel/tree_builds.h"
@@ -53,24 +54,29 @@ std::vector<traces::BvhConfig> formats() {
   return all;
 }
 
+/// Checks that the builder takes all triangles or instances of an image and writes all bytes of its trees.
+void expect_whole_tree(const Outcome& run, const traces::MemoryImage& image) {
+  std::uint64_t bytes = image.layout.tree_bytes, triangles = image.triangles.size(), instances = 0;
+  if (image.layout.has_labels()) bytes += triangles * traces::Layout::kLabelBytes;
+  if (!image.trees.empty()) {
+    // Shared meshes do not move: the tree over instances and the instances remain.
+    instances = image.instances.size();
+    bytes = image.trees.front().first_node * sizeof(traces::NodeRecord) + instances * sizeof(traces::InstanceRecord);
+    triangles = 0;
+  }
+  EXPECT_EQ(of_builder(run, "tree_bytes_written"), bytes);
+  EXPECT_EQ(of_builder(run, "triangles"), triangles);
+  EXPECT_EQ(of_builder(run, "instances"), instances);
+  EXPECT_EQ(of_builder(run, "leaves_written"), triangles + instances);
+}
+
 TEST(BuiltTrees, AreWrittenToTheLastByte) {
   for (const traces::BvhConfig& bvh : formats()) {
     const Method plain = method(bvh);
     Method built = method(bvh);
     const Outcome run = play(built.build_trees(), {});
-    const traces::Layout& layout = built.image().layout;
-    std::uint64_t bytes = layout.tree_bytes, triangles = built.image().triangles.size();
-    if (layout.has_labels()) bytes += triangles * traces::Layout::kLabelBytes;
-    if (bvh.instances == traces::InstanceLevels::kTwoLevel) {
-      // Shared meshes do not move: the tree over instances and the instances remain.
-      bytes = built.image().trees.front().first_node * sizeof(traces::NodeRecord) +
-              built.image().instances.size() * sizeof(traces::InstanceRecord);
-      EXPECT_EQ(of_builder(run, "instances"), built.image().instances.size());
-      triangles = 0;
-    }
-    EXPECT_EQ(of_builder(run, "tree_bytes_written"), bytes);
-    EXPECT_EQ(of_builder(run, "triangles"), triangles);
-    EXPECT_EQ(of_builder(run, "leaves_written"), triangles + of_builder(run, "instances"));
+    expect_whole_tree(run, built.image());
+    test::expect_machine_conserved(run, {});
     const Outcome without = play(plain, {});
     EXPECT_EQ(run.function.rgb, without.function.rgb);
     EXPECT_GT(run.cycles, without.cycles);
@@ -200,6 +206,8 @@ TEST(BuiltTrees, AreTheSameOnAnyEngine) {
     EXPECT_EQ(difference(fast, play(built, config, Engine::kOracle)), "") << seed;
     EXPECT_EQ(difference(fast, play(built, config, Engine::kShuffled, seed)), "") << seed;
     EXPECT_EQ(difference(fast, play(built, config, Engine::kFast, 0, 2)), "") << seed;
+    test::expect_machine_conserved(fast, config);
+    expect_whole_tree(fast, built.image());
   }
 }
 

@@ -56,9 +56,13 @@ void expect_lines_conserved(const Outcome& run, const std::string& core, const G
             run.sum(core, "srp", "cache_accesses"));
   const std::uint64_t fills =
       run.sum(core, "trv", "l1_fills") + run.sum(core, "ist", "l1_fills") + run.sum(core, "srp", "cache_fills");
-  EXPECT_EQ(run.sum(core, "cache_port", "requests"), fills + record_reads + record_writes);
-  EXPECT_EQ(run.sum(core, "cache_port", "lines_down"), fills + record_reads);
-  EXPECT_EQ(run.sum(core, "cache_port", "lines_up"), record_writes);
+  // The tree builder uses the port of core 0.
+  const bool has_builder = core == "core0.";
+  const std::uint64_t built_reads = has_builder ? run.sum("tree_builder", "buffer_fills") : 0;
+  const std::uint64_t built_writes = has_builder ? run.sum("tree_builder", "writes") : 0;
+  EXPECT_EQ(run.sum(core, "cache_port", "requests"), fills + record_reads + record_writes + built_reads + built_writes);
+  EXPECT_EQ(run.sum(core, "cache_port", "lines_down"), fills + record_reads + built_reads);
+  EXPECT_EQ(run.sum(core, "cache_port", "lines_up"), record_writes + built_writes);
   EXPECT_EQ(run.sum(core, "dma_port", "lines_up"), run.sum(core, "dma", "lines_written"));
   EXPECT_EQ(run.sum(core, "dma_port", "lines_down"), run.sum(core, "dma", "lines_read"));
   EXPECT_EQ(run.sum(core, "dma_port", "requests"),
@@ -107,10 +111,22 @@ void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuCon
   EXPECT_LE(spilled, bytes == 0 ? 0 : bytes / kLine + run.sum("srp", "chunks"));
 }
 
+/// Checks that each triangle or instance of a tree is read, sorted, merged and written once per pass.
+void expect_trees_conserved(const Outcome& run, const TreeBuilderConfig& config) {
+  const auto count = [&](const char* counter) { return run.sum("tree_builder", counter); };
+  const std::uint64_t items = count("triangles") + count("instances"), sorted = count("records_sorted");
+  EXPECT_EQ(count("leaves_written"), items);
+  EXPECT_EQ(count("boxes"), items + sorted) << "the sort pass and the last pass";
+  EXPECT_EQ(count("record_bytes_written"), count("record_bytes_read"));
+  EXPECT_EQ(count("record_bytes_read"), count("records_merged") * config.record_bytes);
+  EXPECT_EQ(count("merge_words"), count("head_words") * config.merge_levels());
+  EXPECT_EQ(count("caches_invalidated"), count("trees_built") + count("trees_refitted"));
+}
+
 sim::Clock clock_of(const sim::UnitReport& unit, const GpuConfig& config) {
   const auto part_of = [&](const char* part) { return unit.path.find(part) != std::string::npos; };
   if (unit.block == "dram") return sim::Clock(config.dram.timing.ck.time);
-  if (part_of(".tni.")) return config.clocks.tni.clock();
+  if (part_of(".tni.") || unit.path == "tree_builder") return config.clocks.tni.clock();
   const bool srp = part_of(".srp") || part_of(".tile_buffer") || (part_of(".dma") && !part_of(".dma_port"));
   return srp ? config.clocks.srp.clock() : config.clocks.l2.clock();
 }
@@ -139,6 +155,7 @@ void expect_machine_conserved(const Outcome& run, const GpuConfig& config) {
     if (!config.direct_interface.enabled) expect_records_conserved(run, core, config.direct_interface);
   }
   expect_memory_conserved(run, config);
+  expect_trees_conserved(run, config.tree_builder);
   expect_time_accounted(run, config);
 
   std::uint64_t launches = 0, items = 0;
