@@ -23,11 +23,11 @@ using Keys = std::vector<KeyRecord<float>>;
 
 constexpr std::uint32_t kDigitBits = 8, kDigitValues = 1U << kDigitBits;
 constexpr std::uint64_t kCountsBytes = kDigitValues * sizeof(CountRecord<float>);
-constexpr std::uint64_t kKeyBytes = sizeof(KeyRecord<float>), kRecordBytes = sizeof(BuildLeafRecord<float>);
+constexpr std::uint64_t kKeyBytes = sizeof(KeyRecord<float>), kLeafRecordBytes = sizeof(BuildLeafRecord<float>);
 constexpr std::uint64_t kTriangleBytes = sizeof(CornersRecord<float>) + 12;  // and three vertex numbers
 constexpr std::uint64_t kNodeBytes = sizeof(BuildNodeRecord<float>), kBoxBytes = sizeof(BoxRecord<float>);
 constexpr std::uint64_t kGridBytes = sizeof(GridRecord<float>), kInstanceBytes = sizeof(PosedInstanceRecord<float>);
-static_assert(kRecordBytes == 44 && kNodeBytes == 40 && sizeof(NodeFields<float>) == sizeof(traces::NodeRecord) &&
+static_assert(kLeafRecordBytes == 44 && kNodeBytes == 40 && sizeof(NodeFields<float>) == sizeof(traces::NodeRecord) &&
               sizeof(LeafFields<float>) == sizeof(traces::TriangleRecord) &&
               sizeof(EncodedInstance<float>) == sizeof(traces::InstanceRecord));
 
@@ -221,7 +221,7 @@ class TreePasses {
                   {read_stream(input_, n_ * kInstanceBytes), tree_[1]});
     } else {
       passes_.add(kEncode, "encode_leaves", {{kKernelId<EncodeLeaf>, n_}}, n_,
-                  {read_stream(sorted, n_ * kKeyBytes), read_stream(records_, n_ * kRecordBytes), tree_[1]});
+                  {read_stream(sorted, n_ * kKeyBytes), read_stream(records_, n_ * kLeafRecordBytes), tree_[1]});
     }
   }
 
@@ -259,7 +259,7 @@ class TreePasses {
     if (has_instances()) {
       streams.push_back(read_stream(passes_.reserve(n_ * kBoxBytes), n_ * kBoxBytes));  // boxes of meshes
     } else {
-      streams.push_back(write_stream(passes_.reserve(n_ * kRecordBytes), n_ * kRecordBytes));
+      streams.push_back(write_stream(passes_.reserve(n_ * kLeafRecordBytes), n_ * kLeafRecordBytes));
       records_ = streams.back().base;
     }
     const std::uint64_t bounds = passes_.reserve(0);  // a box per batch
