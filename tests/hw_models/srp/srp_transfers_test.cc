@@ -170,7 +170,6 @@ TEST(SrpTransfers, TheOracleAgreesOnChainsOfTransfersAndLaunches) {
 
 using CycleReason = Srp::CycleReason;
 
-constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; link to the DMA, and its answer
 constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // cycles of a loop of sixteen items, including the switch
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
 

@@ -11,6 +11,10 @@
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
 #include "support.h"
 #include "tests/full_size.h"
 #include "traces/accel/build.h"
@@ -344,15 +348,6 @@ TEST(BackFaces, AreMissedByTheEquations) {
   trace(verifying, random_rays(3000));
   EXPECT_GT(verifying.verify_counts().error_count(), 100U) << "a tracer that hits back faces is found out";
 }
-
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
-
-#include "support.h"
-#include "traces/accel/build.h"
-#include "traces/accel/bvh_tracer.h"
-#include "traces/accel/embree_tracer.h"
 
 /// Returns the number of rays whose results differ: hit or miss, or the triangle.
 std::uint64_t disagreements(const MemoryImage& image, const std::vector<Ray>& rays, RayKind kind) {

@@ -17,7 +17,6 @@
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/time.h"
-#include "tools/analysis/report.h"
 #include "tools/run/frame/power.h"
 
 namespace tools {
@@ -226,11 +225,11 @@ std::optional<TargetRate> target_rate(const FrameResult& run, const Json& frames
   if (config.frame.fps <= 0) return std::nullopt;
   double slowest_ms = 0;
   for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
-  return TargetRate{config, slowest_ms * run.frames / time_ms(run)};
+  return TargetRate{config, slowest_ms * run.frames / run.time_ms()};
 }
 
 Json frame_rate_json(const FrameResult& run, const TargetRate& target) {
-  const double ms = time_ms(run);
+  const double ms = run.time_ms();
   return frame_rate_json(evaluate_frame_rate(target.config, {.energy = run.energy,
                                                              .units = run.units,
                                                              .count = static_cast<double>(run.frames),
