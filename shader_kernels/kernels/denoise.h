@@ -524,7 +524,10 @@ enum class TapSource : std::uint8_t { kFirst, kTile, kMemory };
 ///   kernel       1, 2/3, 1/6 per axis
 ///   depth        exp(-|dz| / (phi_depth (gx |x| + gy |y|) + kDepthFloor z))       g: smaller difference to a neighbour
 ///   normal       exp(-phi_normal |dn|^2 / 2)
-///   luminance    exp(-|dl| / (phi_colour sqrt(variance)))                         variance: mean of 3 x 3 pixels
+///   luminance    exp(-|dl| / (phi_colour sqrt(variance)))                         variance: mean of 3 x 3 taps
+///
+/// In the mean, variances of another geometry weigh less: max(1 - e / kFarExponent, 0), e: exponents of depth and
+/// normal. Otherwise the noise of an object would soften the pixels around the object.
 ///
 /// In the first iteration, the variance of pixels with fewer than kYoung frames is that of the taps' luminance,
 /// weighted by depth and normal and multiplied by kYoung over the number of frames.
@@ -538,7 +541,7 @@ struct FilterLight {
                                                    ? "pixel -> mean of similar pixels around it, read from memory"
                                                    : "pixel -> mean of similar pixels around it";
   static constexpr bool kFromMemory = kSource == TapSource::kMemory, kIsFirst = kSource == TapSource::kFirst;
-  static constexpr float kYoung = 4, kDepthFloor = 1e-3F, kLeastVariance = 1e-4F;
+  static constexpr float kYoung = 4, kDepthFloor = 1e-3F, kLeastVariance = 1e-4F, kFarExponent = 4;
   static constexpr std::uint32_t kSide = 5, kTaps = kSide * kSide, kOwn = kTaps / 2;
 
   template <class V>
@@ -590,7 +593,8 @@ struct FilterLight {
     const std::array<F<V>, 9> depth_scales = depth_scales_of<V>(taps, columns, rows, io);
     const F<V> own_luminance = luminance<V>(own.rgb);
 
-    std::array<F<V>, kTaps> luminances, similar;  // `similar`: weight, or in later iterations exponent, by geometry
+    // `similar`: weight, or in later iterations exponent, by geometry; `close`: weight of the variance
+    std::array<F<V>, kTaps> luminances, similar, close;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
       if (t == kOwn) continue;
       const Vec3<V> apart = taps[t].normal - own.normal;
@@ -598,6 +602,7 @@ struct FilterLight {
           abs(taps[t].depth - own.depth) * depth_scales[scale_index(t)] + dot(apart, apart) * io.edge.normal;
       luminances[t] = luminance<V>(taps[t].rgb) - own_luminance;
       similar[t] = kIsFirst ? exp_negative<V>(exponent) : exponent;
+      if (is_next_to_own(t)) close[t] = max(1.0F - exponent * (1.0F / kFarExponent), F<V>(0.0F));
     }
     F<V> variance;
     std::optional<M<V>> is_young;
@@ -605,9 +610,9 @@ struct FilterLight {
       const F<V> length = unpack_length<V>(io.guide_words.load(to_int(centre)).normal);
       is_young = length < kYoung;
       variance = select(*is_young, variance_of_taps<V>(luminances, similar, columns, rows) * (kYoung / length),
-                        blurred_variance<V>(pixel, centre, own, io));
+                        mean_variance<V>(taps, close, columns, rows));
     } else {
-      variance = blurred_variance<V>(pixel, centre, own, io);
+      variance = mean_variance<V>(taps, close, columns, rows);
     }
     const F<V> colour_scale = io.edge.colour / sqrt(max(variance, F<V>(kLeastVariance)));
 
@@ -668,6 +673,9 @@ struct FilterLight {
   static constexpr std::uint32_t distance(std::uint32_t i) { return i < 2 ? 2 - i : i - 2; }
   /// Returns the index in the array of depth scales of tap `t`: 3 x distance in rows + distance in columns.
   static constexpr std::uint32_t scale_index(std::uint32_t t) { return 3 * distance(t / kSide) + distance(t % kSide); }
+  static constexpr bool is_next_to_own(std::uint32_t t) {
+    return t != kOwn && distance(t / kSide) < 2 && distance(t % kSide) < 2;
+  }
   static constexpr float kernel_weight(std::uint32_t t) {
     constexpr std::array<float, 3> kWeights{1.0F, 2.0F / 3.0F, 1.0F / 6.0F};
     return kWeights[distance(t / kSide)] * kWeights[distance(t % kSide)];
@@ -683,14 +691,6 @@ struct FilterLight {
       const LightRecord<V> light = io.taps.load(index);
       const GuideTapRecord<V> guide = io.guide_taps.load(index);
       return {light.rgb, light.fourth, guide.normal, guide.depth};
-    }
-  }
-  template <class V>
-  static F<V> load_variance(const I<V>& index, Ports<V>& io) {
-    if constexpr (kFromMemory) {
-      return unpack_light<V>(io.stored_light.load(index)).fourth;
-    } else {
-      return io.taps.load(index).fourth;
     }
   }
 
@@ -735,29 +735,20 @@ struct FilterLight {
     return max(squares * inverse - mean * mean, F<V>(0.0F));
   }
 
-  /// Returns the mean variance of 3 x 3 pixels, with weights of 1/4, 1/8 and 1/16.
+  /// Returns the mean variance of 3 x 3 taps, with weights of 1/4, 1/8 and 1/16, times `close`.
   template <class V>
-  static F<V> blurred_variance(const DivMod<V>& pixel, const F<V>& centre, const Tap<V>& own, Ports<V>& io) {
-    const auto offset = [](const F<V>& from, float by, const F<V>& index, const F<V>& low, const F<V>& high) {
-      const F<V> to = from + by;
-      return select(logical_and(low <= to, to <= high), index, F<V>(0.0F));
-    };
-    const FinishedUniforms<V>& f = io.finished;
-    const std::array<F<V>, 2> columns{offset(pixel.remainder, -1, F<V>(-1.0F), f.low_x, f.high_x),
-                                      offset(pixel.remainder, 1, F<V>(1.0F), f.low_x, f.high_x)};
-    const std::array<F<V>, 2> rows{offset(pixel.quotient, -1, -f.pitch, f.low_y, f.high_y),
-                                   offset(pixel.quotient, 1, f.pitch, f.low_y, f.high_y)};
-    std::array<F<V>, 8> around;
-    const auto load = [&](std::size_t to, const F<V>& by) { around[to] = load_variance<V>(to_int(centre + by), io); };
-    for (std::size_t i = 0; i < 2; ++i) {
-      load(i, columns[i]);
-      load(2 + i, rows[i]);
-      load(4 + i, rows[0] + columns[i]);
-      load(6 + i, rows[1] + columns[i]);
+  static F<V> mean_variance(const std::array<Tap<V>, kTaps>& taps, const std::array<F<V>, kTaps>& close,
+                            const Axis<V>& columns, const Axis<V>& rows) {
+    F<V> all = 0.25F, sum = taps[kOwn].variance * 0.25F;
+    for (std::uint32_t t = 0; t < kTaps; ++t) {
+      if (!is_next_to_own(t)) continue;
+      const float share = t / kSide == kOwn / kSide || t % kSide == kOwn % kSide ? 0.125F : 0.0625F;
+      const M<V> inside = logical_and(columns[t % kSide].inside, rows[t / kSide].inside);
+      const F<V> weight = select(inside, close[t] * share, F<V>(0.0F));
+      all = all + weight;
+      sum = sum + taps[t].variance * weight;
     }
-    const F<V> sides = (around[0] + around[1]) + (around[2] + around[3]);
-    const F<V> corners = (around[4] + around[5]) + (around[6] + around[7]);
-    return own.variance * 0.25F + sides * 0.125F + corners * 0.0625F;
+    return sum / all;
   }
 };
 

@@ -37,18 +37,18 @@ inline constexpr Hand kDenoiseByHand[] = {
     {"unpack_taps_float", {0, 0, 0, 0, 0, 0, 5, 3, 2, 2, 0}},
     // The first iteration: as later ones, but per tap decay, and, select, 2 mul, 4 add more; 2 div, sub, 3 mul, max; a
     // load, to_int, shift, to_float, compare, div, mul, 2 select, mul.
-    {"filter_first_light", {827, 920, 61, 65, 29, 68, 75, 36, 59, 1, 0}},
+    {"filter_first_light", {827, 942, 62, 72, 21, 72, 79, 28, 51, 1, 0}},
     // Operations: to_float, div_mod; mul, 2 add. 10 steps: 2 mul, add, 2 compare, and, select. 25 taps: 2 add, to_int.
     // Depths: 4 (sub, abs, select), 2 min; 12 mul, 4 add; mul, 8 (add, div). Luminance; 24 (4 sub, abs, 2 mul, dot,
-    // add, luminance, sub). Variance: 4 (add, 2 compare, and, select), neg, 12 add, 8 to_int, 8 add, 3 mul. Max, sqrt,
+    // add, luminance, sub). Variance: 8 (mul, sub, max; mul, and, select, add, mul, add), mul, div. Max, sqrt,
     // div. 24 taps: abs, mul, add, decay; and, mul, select; 3 (sub, mul, add), mul, add, mul, add; less 3 add. Div, 3
     // (mul, add, max), 2 mul, light.
-    {"filter_light", {658, 627, 35, 64, 28, 42, 50, 34, 58, 1, 0}},
-    // Unpacks 25 lights and normals, and 8 variances.
-    {"filter_stored_light", {658, 735, 35, 64, 28, 42, 391, 109, 0, 1, 58}},
-    {"filter_first_light_float", {827, 916, 61, 61, 29, 68, 63, 36, 59, 1, 0}},
-    {"filter_light_float", {658, 623, 35, 60, 28, 42, 38, 34, 58, 1, 0}},
-    {"filter_stored_light_float", {658, 623, 35, 60, 28, 42, 163, 109, 0, 1, 58}},
+    {"filter_light", {658, 649, 36, 71, 20, 46, 54, 26, 50, 1, 0}},
+    // Unpacks 25 lights and normals.
+    {"filter_stored_light", {658, 749, 36, 71, 20, 46, 379, 101, 0, 1, 50}},
+    {"filter_first_light_float", {827, 938, 62, 68, 21, 72, 67, 28, 51, 1, 0}},
+    {"filter_light_float", {658, 645, 36, 67, 20, 46, 42, 26, 50, 1, 0}},
+    {"filter_stored_light_float", {658, 645, 36, 67, 20, 46, 167, 101, 0, 1, 50}},
     // Operations: 3 halves, 3 bytes, 3 (to_float, mul, mul), clamped.
     {"modulate_albedo", {0, 9, 0, 6, 0, 0, 11, 3, 2, 1, 0}},
     {"modulate_albedo_float", {0, 6, 0, 6, 0, 0, 5, 3, 2, 1, 0}},

@@ -228,6 +228,20 @@ TEST(Denoised, AStillPictureHardlySoftensFromFrameToFrame) {
   EXPECT_LT(squared_distance(frames.next(), truth), 2 * early);
 }
 
+TEST(Denoised, ANoisyMirrorHasNoHalo) {
+  RenderConfig config = small(96, 54);
+  config.depth = 3;
+  Sequence frames(traces::open_scene("cornell"), config);
+  frames.name = "path:1";
+  frames.denoise().iterations = 5;
+  for (std::uint32_t i = 0; i < 7; ++i) frames.next();
+  const std::vector<float> shown = frames.next();
+  // Green of the wall, left and right of the mirror's last pixels in a row.
+  const auto green = [&](std::size_t x) { return shown[3 * (34 * std::size_t{96} + x) + 1]; };
+  EXPECT_LT(green(22), 1.15F * green(20));
+  EXPECT_LT(green(43), 1.15F * green(45));
+}
+
 TEST(Denoised, PicturesDoNotDependOnTileSize) {
   std::vector<std::vector<float>> pictures;
   for (const std::uint32_t tile : {8U, 16U, 32U}) {
