@@ -24,7 +24,7 @@ inline constexpr Hand kBuildByHand[] = {
     // Operations: 3 min, 3 max.
     {"fit_node", {0, 0, 0, 6, 0, 0, 0, 0, 3, 1, 0}},
     {"encode_node", {0, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
-    {"encode_leaf", {0, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
+    {"encode_leaf", {0, 0, 0, 0, 0, 0, 0, 0, 2, 1, 1}},
     // Operations: as build_leaf.
     {"refit_leaf", {0, 0, 0, 12, 0, 0, 0, 0, 2, 2, 0}},
     // Operations: shift, add; 3 min, 3 max.

@@ -3,7 +3,7 @@
 #include "sim/error.h"
 #include "tests/traces/trace_file/tiny_tile.h"
 
-// Tests of the encoding of accesses to region kSamples.
+// Tests of the encoding of accesses to regions kSamples and kBuild.
 
 namespace traces {
 namespace {
@@ -29,6 +29,17 @@ TEST(StoredAccess, RefusesWordsOutsideTheRegion) {
   const TileScope scope = test::tiny_scope();
   TileWork back;
   EXPECT_THROW(test::decode(test::encode(tile_that_reads(3, 128), scope.links), scope, back), sim::InputError);
+}
+
+TEST(StoredAccess, ReachesRecordsOfKernelsThatBuildTrees) {
+  TileScope scope = test::tiny_scope();  // a line of rates
+  scope.region_bytes[static_cast<std::size_t>(Region::kBuild)] = 64;
+  constexpr std::uint32_t kWords = (512 + 64 + 64) / kStoredWordBytes;
+  const TileWork tile = tile_that_reads(3, kWords - 1);
+  TileWork back;
+  test::decode(test::encode(tile, scope.links), scope, back);
+  EXPECT_TRUE(test::same(tile, back));
+  EXPECT_THROW(test::decode(test::encode(tile_that_reads(3, kWords), scope.links), scope, back), sim::InputError);
 }
 
 }  // namespace
