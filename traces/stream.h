@@ -26,8 +26,8 @@ struct Access {
     kStored
   };
   // What `element` is depends on the kind: a triangle (kAttributes, kVertices, kTriangle), a material (kMaterial,
-  // kDetail), an instance (kInstance) or a 4-byte word of region kSamples (kStored). kTexels reads a bilinear footprint
-  // of up to 2 x 2 texels, packed by texels().
+  // kDetail), an instance (kInstance) or a 4-byte word of memory from region kSamples on (kStored). kTexels reads a
+  // bilinear footprint of up to 2 x 2 texels, packed by texels().
   std::uint32_t object = 0;  ///< kind of access in the top 3 bits, texture index in the others
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< for kTexels, the opposite corner of the footprint

@@ -370,24 +370,24 @@ struct EncodeNode {
   }
 };
 
-/// Writes a leaf record in the format of intersection units.
+/// Writes a leaf record in the format of intersection units. Build records are gathered from memory by number.
 struct EncodeLeaf {
   static constexpr std::string_view kName = "encode_leaf";
   static constexpr std::string_view kMeaning = "triangle in leaf order -> its leaf record";
   template <class V>
   struct Ports {
     Local<V, KeyRecord> sorted;
-    Local<V, BuildLeafRecord> leaves;
+    Stored<V, BuildLeafRecord> stored;
     Local<V, CountRecord> objects;
     Local<V, LeafFields> encoded_leaves;
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port, NAMED_ALL(p.sorted, p.leaves, p.objects, p.encoded_leaves));
+      name_all(port, NAMED_ALL(p.sorted, p.stored, p.objects, p.encoded_leaves));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> number = io.sorted.load(item).number;
-    const BuildLeafRecord<V> t = io.leaves.load(number);
+    const BuildLeafRecord<V> t = io.stored.load(number);
     const I<V> object = io.objects.load(number).number;
     io.encoded_leaves.store(item, {t.v0, t.v1, t.v2, object, t.material, t.number});
   }

@@ -220,8 +220,10 @@ class TreePasses {
       passes_.add(kEncode, "encode_leaves", {{kKernelId<PoseInstance>, n_}}, n_,
                   {read_stream(input_, n_ * kInstanceBytes), tree_[1]});
     } else {
-      passes_.add(kEncode, "encode_leaves", {{kKernelId<EncodeLeaf>, n_}}, n_,
-                  {read_stream(sorted, n_ * kKeyBytes), read_stream(records_, n_ * kLeafRecordBytes), tree_[1]});
+      passes_
+          .add(kEncode, "encode_leaves", {{kKernelId<EncodeLeaf>, n_}}, n_,
+               {read_stream(sorted, n_ * kKeyBytes), tree_[1]})
+          ->gather = {records_, kLeafRecordBytes, build_.order};
     }
   }
 
@@ -535,7 +537,7 @@ KernelBuildResult run_build_kernels(const traces::MemoryImage& image, std::uint3
   result.leaves.resize(n);
   EncodeLeaf::Ports<float> encode;
   encode.sorted.bind(in_leaf_order.data());
-  encode.leaves.bind(leaves.data());
+  encode.stored.bind_raw(leaves.data(), nullptr);
   encode.objects.bind(objects.data());
   encode.encoded_leaves.base = reinterpret_cast<std::byte*>(result.leaves.data());
   run_kernel<EncodeLeaf>(encode, n);

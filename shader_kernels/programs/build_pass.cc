@@ -11,11 +11,23 @@ namespace {
 
 constexpr std::uint32_t kBatchSpace = 64 * 1024;  // bytes of the tile buffer for a batch of kernels that build trees
 
+/// Returns the bytes from the beginning of region kSamples to that of region kBuild. Each region begins on a new line.
+std::uint64_t build_offset(const FrameRequirements& needs) {
+  constexpr std::uint64_t kLine = 64;
+  std::uint64_t bytes = 0;
+  for (const traces::Region region : {traces::Region::kSamples, traces::Region::kRates}) {
+    bytes += (needs.region_bytes[static_cast<std::size_t>(region)] + kLine - 1) / kLine * kLine;
+  }
+  return bytes;
+}
+
 }  // namespace
 
 BuildPass::BuildPass(std::unique_ptr<FrameProgram> program, const traces::MemoryImage& image,
                      const traces::TreeBuilds& builds, std::uint32_t frame)
-    : LeadingPass(std::move(program), frame), builds_(builds), passes_(kBatchSpace) {
+    : LeadingPass(std::move(program), frame),
+      builds_(builds),
+      passes_(kBatchSpace, build_offset(LeadingPass::requirements())) {
   add_pose_passes(builds.pose, passes_);
   if (!has_unit()) add_build_passes(image, builds, passes_);
 }

@@ -18,7 +18,7 @@ std::uint64_t items_before(const KernelPass& pass, std::uint64_t items, std::uin
 }  // namespace
 
 std::uint64_t KernelPass::moved_bytes() const {
-  std::uint64_t all = 0;
+  std::uint64_t all = gather.numbers.size() * gather.record_bytes;
   for (const PassStream& stream : streams) {
     const bool by_batch = stream.share == Share::kBatch || stream.share == Share::kAll;
     all += stream.bytes * (by_batch ? entry_count() : 1);
@@ -45,13 +45,27 @@ KernelPass* KernelPasses::add(std::uint32_t stage, const char* name, std::vector
   const std::uint64_t room = std::max<std::uint64_t>(space_, fixed + kLeastItems * per_item) - fixed;
   const auto batch = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(room / per_item, 1, items));
   const auto next = std::ranges::upper_bound(passes_, stage, {}, &KernelPass::stage);
-  return &*passes_.insert(next, {name, std::move(kernels), items, std::move(streams), batch, stage});
+  return &*passes_.insert(next, {name, std::move(kernels), items, std::move(streams), batch, stage, {}});
 }
 
 std::uint32_t KernelPasses::entry_count() const {
   std::uint32_t entries = 0;
   for (const KernelPass& pass : passes_) entries += pass.entry_count();
   return entries;
+}
+
+/// Records the lines that items `first` to `end` - 1 read, each by its first word in the record.
+void KernelPasses::record_gather(const KernelPass& pass, std::uint64_t first, std::uint64_t end, StreamBuilder& stream,
+                                 traces::TileWork& work) const {
+  constexpr std::uint64_t kLine = 64;
+  for (std::uint64_t item = first; item < end; ++item) {
+    stream.begin_item_accesses();
+    const std::uint64_t begin = build_offset_ + pass.gather.base + pass.gather.numbers[item] * pass.gather.record_bytes;
+    for (std::uint64_t at = begin; at < begin + pass.gather.record_bytes; at = (at / kLine + 1) * kLine) {
+      work.accesses.push_back(traces::Access::of_kind(traces::Access::Kind::kStored,
+                                                      static_cast<std::uint32_t>(at / traces::kStoredWordBytes)));
+    }
+  }
 }
 
 void KernelPasses::record_entry(std::uint32_t entry, StreamBuilder& stream, traces::TileWork& work) const {
@@ -94,7 +108,9 @@ void KernelPasses::record_entry(std::uint32_t entry, StreamBuilder& stream, trac
     const std::uint64_t items = items_before(*pass, k.items, end) - items_before(*pass, k.items, first);
     if (items == 0) continue;
     const StreamBuilder::Node before = launch;
-    launch = stream.add_launch(k.kernel, static_cast<std::uint32_t>(items), false);
+    const bool gathers = &k == &pass->kernels.back() && !pass->gather.numbers.empty();
+    launch = stream.add_launch(k.kernel, static_cast<std::uint32_t>(items), gathers);
+    if (gathers) record_gather(*pass, first, end, stream, work);
     if (before != StreamBuilder::kNone) stream.add_wait(launch, before, traces::Edge::Kind::kAll);
     for (const StreamBuilder::Node input : inputs) stream.add_wait(launch, input, traces::Edge::Kind::kAll);
   }

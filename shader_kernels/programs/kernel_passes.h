@@ -30,6 +30,13 @@ struct PassStream {
   std::vector<std::uint32_t> first_piece{};  ///< for kPieces: each batch's first piece; then the end
 };
 
+/// Records of region kBuild that a kernel reads through the data cache, one per item.
+struct PassGather {
+  std::uint64_t base = 0;
+  std::uint64_t record_bytes = 0;
+  std::vector<std::uint32_t> numbers{};  ///< record of each item; empty: the pass gathers nothing
+};
+
 /// A kernel and its items in all batches of a pass together.
 struct PassKernel {
   traces::KernelId kernel = 0;
@@ -44,9 +51,10 @@ struct KernelPass {
   std::vector<PassStream> streams;
   std::uint32_t batch = 1;  ///< items of one entry of the tile list
   std::uint32_t stage = 0;
+  PassGather gather{};  ///< records that the last kernel reads
 
   std::uint32_t entry_count() const { return static_cast<std::uint32_t>((items + batch - 1) / batch); }
-  /// Returns the bytes that all batches read and write.
+  /// Returns the bytes that all batches read and write, and the records that they gather.
   std::uint64_t moved_bytes() const;
 };
 
@@ -58,8 +66,9 @@ struct KernelPass {
 ///    each other.
 class KernelPasses {
  public:
-  /// `space`: bytes of the tile buffer for a batch.
-  explicit KernelPasses(std::uint32_t space) : space_(space) {}
+  /// `space`: bytes of the tile buffer for a batch. `build_offset`: bytes from the beginning of region kSamples to that
+  /// of region kBuild, because accesses of kind kStored name words from the former on.
+  KernelPasses(std::uint32_t space, std::uint64_t build_offset) : space_(space), build_offset_(build_offset) {}
 
   const std::vector<KernelPass>& passes() const { return passes_; }
   std::uint32_t entry_count() const;
@@ -75,7 +84,11 @@ class KernelPasses {
                   std::vector<PassStream> streams);
 
  private:
+  void record_gather(const KernelPass& pass, std::uint64_t first, std::uint64_t end, StreamBuilder& stream,
+                     traces::TileWork& work) const;
+
   const std::uint32_t space_;
+  const std::uint64_t build_offset_;
   std::vector<KernelPass> passes_;
   std::uint64_t scratch_ = 0;
 };

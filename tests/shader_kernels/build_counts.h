@@ -24,7 +24,7 @@ inline constexpr Hand kBuildByHand[] = {
     // Operations: 3 min, 3 max.
     {"fit_node", {0, 0, 0, 6, 0, 0, 0, 0, 3, 1, 0}},
     {"encode_node", {0, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
-    {"encode_leaf", {0, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
+    {"encode_leaf", {0, 0, 0, 0, 0, 0, 0, 0, 2, 1, 1}},
     // Operations: as build_leaf.
     {"refit_leaf", {0, 0, 0, 12, 0, 0, 0, 0, 2, 2, 0}},
     // Operations: shift, add; 3 min, 3 max.
@@ -36,8 +36,9 @@ inline constexpr Hand kBuildByHand[] = {
     // Operations: 3 (6 mul, 3 sub); dot, div; 3 scale, less, select, 3 (dot, neg), abs.
     {"pose_instance", {17, 39, 1, 4, 1, 1, 0, 0, 1, 1, 0}},
     // Operations: 6 scale; 2 (9 min or max, 3 vector add).
-    // Operations: 7 (less, 3 select); 2 (vector sub, 3 mul, 2 add, shift, equal, select); 8 (2 equal, 4 select); add.
-    {"collapse_node", {10, 6, 0, 0, 25, 55, 3, 0, 5, 1, 0}},
+    // Operations: 7 (less, 3 select) but the last area; 2 (vector sub, 3 mul, 2 add, shift, equal, select); 8 (2 equal,
+    // 4 select); add.
+    {"collapse_node", {10, 6, 0, 0, 25, 54, 3, 0, 5, 1, 0}},
     {"encode_child", {0, 0, 0, 0, 0, 0, 0, 0, 2, 1, 0}},
     // Operations: 2 (vector sub, 3 mul); 3 (2 floor, 2 neg, 2 (max, min, to_int), shift, or).
     {"quantise_child", {6, 6, 0, 24, 0, 0, 6, 6, 3, 1, 0}},

@@ -30,7 +30,7 @@ traces::MemoryImage image_of(const char* scene, std::uint32_t leaf_size = 4) {
 /// Passes that build or refit the trees of an image.
 struct Plan {
   explicit Plan(const traces::MemoryImage& image, bool refit = false, std::uint32_t bits = kBits)
-      : builds(traces::tree_builds(image, refit, false)), passes(kSpace) {
+      : builds(traces::tree_builds(image, refit, false)), passes(kSpace, 0) {
     builds.morton_bits = bits;
     add_build_passes(image, builds, passes);
   }
@@ -287,6 +287,30 @@ TEST(BuildKernels, ScatterKeysToTheirPlaces) {
     EXPECT_EQ(end, 8 * pass.items) << "all places are written once";
   }
   EXPECT_EQ(passes, 4U);
+}
+
+TEST(BuildKernels, GatherRecordsInTheOrderOfLeaves) {
+  const Plan plan(image_of("cornell"));
+  const std::vector<std::uint32_t>& order = plan.builds.trees.front().order;
+  std::size_t item = 0;
+  std::uint64_t records = 0;
+  for (const KernelPass& pass : plan.passes.passes()) {
+    if (!pass.gather.numbers.empty()) records = pass.gather.base;
+  }
+  for (const traces::TileWork& work : plan.record()) {
+    for (const traces::WorkNode& node : work.nodes) {
+      if (!node.has_accesses) continue;
+      EXPECT_EQ(node.kernel, kKernelId<EncodeLeaf>);
+      for (std::uint32_t i = 0; i < node.items; ++i, ++item) {
+        const std::uint64_t begin = records + 44 * std::uint64_t{order[item]}, last = begin + 43;
+        const std::uint32_t first = work.access_begin[node.first + i], end = work.access_begin[node.first + i + 1];
+        ASSERT_EQ(end - first, last / 64 - begin / 64 + 1) << "lines of the record";
+        EXPECT_EQ(4 * std::uint64_t{work.accesses[first].element}, begin);
+        EXPECT_EQ(work.accesses[end - 1].element / 16, last / 64);
+      }
+    }
+  }
+  EXPECT_EQ(item, order.size());
 }
 
 TEST(BuildKernels, FitTheirSpaceAndCoverAllItems) {

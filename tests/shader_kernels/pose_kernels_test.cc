@@ -125,7 +125,7 @@ TEST(PoseKernels, BoundInstancesInTheWorld) {
 }
 
 TEST(PoseKernels, MoveTheBytesOfTheClosedForms) {
-  KernelPasses passes(64 * 1024);
+  KernelPasses passes(64 * 1024, 0);
   add_pose_passes(
       {.skinned_vertices = 10000, .joints = 40, .rigid_vertices = 7000, .rigid_instances = 3, .moved_instances = 500},
       passes);

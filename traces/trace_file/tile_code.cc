@@ -334,6 +334,20 @@ std::uint32_t read_flag(ByteReader& from, const char* what) {
   return value;
 }
 
+/// Returns how many words accesses of kind kStored may name: those of region kSamples or, if kernels build trees, of
+/// all regions up to kBuild. Each region begins on a new line.
+std::uint64_t stored_words(const TileScope& scope) {
+  constexpr std::uint64_t kLine = 64;
+  const auto bytes_of = [&](Region region) { return scope.region_bytes[static_cast<std::size_t>(region)]; };
+  std::uint64_t bytes = bytes_of(Region::kSamples);
+  if (bytes_of(Region::kBuild) != 0) {
+    for (const Region region : {Region::kRates, Region::kBuild}) {
+      bytes = (bytes + kLine - 1) / kLine * kLine + bytes_of(region);
+    }
+  }
+  return bytes / kStoredWordBytes;
+}
+
 void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t imports, WorkNode& node) {
   const std::uint32_t region = from.read_byte();
   if (region >= kRegionCount) ByteReader::throw_out_of_range("region of a transfer");
@@ -523,8 +537,7 @@ TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope
       }
     }
     if (node.has_accesses) {
-      const std::uint64_t stored = scope.region_bytes[static_cast<std::size_t>(Region::kSamples)] / kStoredWordBytes;
-      accesses_.read_launch(from, {scope.counts, stored}, node.items, work);
+      accesses_.read_launch(from, {scope.counts, stored_words(scope)}, node.items, work);
     }
     if (node.raster != WorkNode::kNone) {
       RasterWork& job = work.raster[node.raster];

@@ -126,6 +126,11 @@ Method& Method::build_trees(bool refit, bool overlap, traces::BuildEngine engine
   return *this;
 }
 
+Method& Method::pose(const traces::PoseWork& work) {
+  builds_->pose = work;
+  return *this;
+}
+
 Gpu::Workload Method::workload() const {
   return {image_, parents_, make()->requirements(), render_.srgb == kernels::SrgbEncoder::kDma};
 }

@@ -61,6 +61,8 @@ class Method {
   /// Makes the machine build or refit the scene's trees before the tiles.
   Method& build_trees(bool refit = false, bool overlap = false,
                       traces::BuildEngine engine = traces::BuildEngine::kUnit);
+  /// Makes kernels pose geometry before the trees of build_trees().
+  Method& pose(const traces::PoseWork& work);
   /// Gives the machine a tree builder that has no work.
   void build_nothing() { builds_.emplace(); }
   const traces::MemoryImage& image() const { return image_; }

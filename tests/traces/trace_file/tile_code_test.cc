@@ -343,7 +343,7 @@ TEST(TileCode, WideWalksThatTheTreeDoesNotAllowAreStoredAsWordsAndRefused) {
   is_refused(1, good.walk[1] | 7U << 21);                            // a slot after the hit ones
 }
 
-// Tests of the encoding of accesses to region kSamples.
+// Tests of the encoding of accesses to regions kSamples and kBuild.
 
 /// Returns a tile with one launch whose two items read the given words of region kSamples.
 TileWork tile_that_reads(std::uint32_t first, std::uint32_t second) {
@@ -366,6 +366,17 @@ TEST(StoredAccess, RefusesWordsOutsideTheRegion) {
   const TileScope scope = test::tiny_scope();
   TileWork back;
   EXPECT_THROW(test::decode(test::encode(tile_that_reads(3, 128), scope.links), scope, back), sim::InputError);
+}
+
+TEST(StoredAccess, ReachesRecordsOfKernelsThatBuildTrees) {
+  TileScope scope = test::tiny_scope();  // a line of rates
+  scope.region_bytes[static_cast<std::size_t>(Region::kBuild)] = 64;
+  constexpr std::uint32_t kWords = (512 + 64 + 64) / kStoredWordBytes;
+  const TileWork tile = tile_that_reads(3, kWords - 1);
+  TileWork back;
+  test::decode(test::encode(tile, scope.links), scope, back);
+  EXPECT_TRUE(test::same(tile, back));
+  EXPECT_THROW(test::decode(test::encode(tile_that_reads(3, kWords), scope.links), scope, back), sim::InputError);
 }
 
 }  // namespace
