@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kPicojoulesPerMillisecond = 1e-6;  // converts pJ per ms to mW
 constexpr sim::Time kMillisecond = sim::kFemtosecondsPerSecond / 1000;
-constexpr double kMilliwattsPerWatt = 1000, kHertzPerMegahertz = 1e6;
+constexpr double kHertzPerMegahertz = 1e6;
 /// Relative rounding tolerance when a frame's time is compared with the period.
 constexpr double kRateRounding = 1e-9;
 /// Number of clock settings among which the one with the least power is searched.

@@ -436,10 +436,6 @@ void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& 
   sim::check_unit_names(config.area, all);
 }
 
-}  // namespace tools
-
-template sim::ConfigNode sim::config_tree(tools::RunConfig& config);
-
 namespace {
 
 /// Returns the process node without blanks: "14nm" for "14 nm, 0.80 V, 75 C".
@@ -485,3 +481,7 @@ void add_warnings(std::vector<std::string>& lines, const std::vector<std::string
     if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
   }
 }
+
+}  // namespace tools
+
+template sim::ConfigNode sim::config_tree(tools::RunConfig& config);

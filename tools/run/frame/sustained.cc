@@ -18,7 +18,6 @@ namespace tools {
 namespace {
 
 constexpr double kPicojoulesPerJoule = 1e12;
-constexpr double kMilliwattsPerWatt = 1e3;
 /// Maximum number of frames of a sustained run, so that it ends within minutes.
 constexpr double kMostSustainedFrames = 1e9;
 /// Relative tolerance for rounding in sums of frame times.
