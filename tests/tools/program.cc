@@ -125,10 +125,14 @@ ProcessResult raywatt(const Words& arguments, const ProcessEnvironment& around) 
   return Program(arguments, around).wait();
 }
 
-std::string output_of(const Words& arguments, const ProcessEnvironment& around) {
-  const ProcessResult ending = raywatt(arguments, around);
+ProcessResult ending_well(const Words& arguments, const ProcessEnvironment& around) {
+  ProcessResult ending = raywatt(arguments, around);
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  return ending.out;
+  return ending;
+}
+
+std::string output_of(const Words& arguments, const ProcessEnvironment& around) {
+  return ending_well(arguments, around).out;
 }
 
 Words small_run(const std::filesystem::path& out, const Words& more) {

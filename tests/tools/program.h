@@ -68,6 +68,8 @@ class Program {
 
 /// Runs the raywatt program until it ends.
 ProcessResult raywatt(const Words& arguments, const ProcessEnvironment& around = {});
+/// Runs the program until it ends. Expects exit code 0.
+ProcessResult ending_well(const Words& arguments, const ProcessEnvironment& around = {});
 /// Runs the program and returns its stdout. Expects exit code 0.
 std::string output_of(const Words& arguments, const ProcessEnvironment& around = {});
 

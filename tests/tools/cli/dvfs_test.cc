@@ -17,12 +17,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-ProcessResult ending_well(const Words& words) {
-  ProcessResult ending = raywatt(words);
-  EXPECT_EQ(ending.exit, 0) << ending.err;
-  return ending;
-}
-
 Json report(const std::filesystem::path& folder, const Words& more) {
   Words words = small_run(folder, more);
   words.emplace_back("--quiet");

@@ -14,12 +14,6 @@
 namespace test {
 namespace {
 
-ProcessResult ending_well(const Words& arguments, const ProcessEnvironment& around = {}) {
-  ProcessResult ending = raywatt(arguments, around);
-  EXPECT_EQ(ending.exit, 0) << ending.err;
-  return ending;
-}
-
 TEST(Names, ASceneInTheConfigurationsStead) {
   expect_refusal(raywatt({"run", "teapot"}), {"'teapot' is a scene", "--scene teapot"});
   expect_refusal(raywatt({"run", "card.gltf"}), {"'card.gltf' is a scene", "--scene card.gltf"});

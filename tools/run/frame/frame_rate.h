@@ -12,6 +12,8 @@
 
 namespace tools {
 
+inline constexpr double kMilliwattsPerWatt = 1000;
+
 /// Returns reports of the chip's units, without the memory's, for a millisecond in which all of them are idle.
 std::vector<sim::UnitReport> idle_millisecond_reports(std::span<const sim::UnitReport> units);
 
