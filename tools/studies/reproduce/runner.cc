@@ -432,7 +432,7 @@ Value masked_psnr(const Comparison& c) {
 
 constexpr std::string_view kMaskedPrefix = "psnr_at_";
 
-constexpr std::array<Metric, 55> kMetrics = {{
+constexpr std::array<Metric, 57> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"psnr_at_object_edges", "the same of pixels with different objects or normals", Shown::kDecibel, false,
