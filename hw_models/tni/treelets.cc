@@ -48,6 +48,7 @@ Treelets::Treelets(const TreeInMemory& tree, const TrianglesInMemory& triangles,
       for_each_child(tree, queue[first], [&](std::uint32_t child) {
         if (traces::is_instance(child)) return;
         const bool is_node = !traces::is_leaf(child);
+        if (is_node && of_node_[child] != kNone) return;  // a machine without a scene has one node, its own child
         longer = lines;
         if (is_node) {
           append_node_lines(tree, child, longer);
