@@ -41,13 +41,6 @@ void check_sequence(const Inputs& inputs) {
     throw sim::InputError("--representative: the denoiser needs every frame; allowed: denoise.filter=off");
   }
   const traces::BuildPolicy policy = inputs.config.build.policy;
-  const bool refits = policy == traces::BuildPolicy::kRefit ||
-                      (policy == traces::BuildPolicy::kUpdate && inputs.config.bvh.update == traces::BvhUpdate::kRefit);
-  if (refits && inputs.config.build.engine != traces::BuildEngine::kHost) {
-    throw sim::InputError(
-        "--representative: the first frame builds the tree that others refit; allowed: build.engine=host, or "
-        "build.policy=rebuild");
-  }
   if (policy == traces::BuildPolicy::kPeriod || policy == traces::BuildPolicy::kCost) {
     throw sim::InputError(
         "--representative: trees of this build.policy depend on earlier frames; allowed: update, refit, rebuild");
@@ -105,6 +98,7 @@ RepresentativeFrames::RepresentativeFrames(Inputs& inputs, const RunPlan& plan, 
       threads_(threads),
       progress_(progress),
       first_(inputs.config.scene.first_frame),
+      first_builds_(inputs.builds),
       frames_(inputs, plan, threads, progress),
       sample_(count_checked_frames(inputs, plan.program, threads, progress), sampling_.clusters, sampling_.draw),
       counting_seconds_(sim::seconds_since(begin_)),
@@ -131,6 +125,10 @@ bool RepresentativeFrames::go_to_next_chosen() {
       std::ranges::find_if(sample_.chosen(), [&](std::uint32_t frame) { return !results_[frame].has_value(); });
   if (next == sample_.chosen().end()) return false;
   go_to_frame(inputs_, first_ + *next, threads_, progress_);
+  if (*next == 0) {  // built, even if later frames refit its tree
+    inputs_.builds = first_builds_;
+    inputs_.refitted = false;
+  }
   return true;
 }
 

@@ -46,6 +46,7 @@ class RepresentativeFrames final : public FrameSource {
   const std::uint32_t threads_;
   Progress* const progress_;
   const std::uint32_t first_;
+  const traces::TreeBuilds first_builds_;  ///< trees that the machine builds for the first frame
   RenderedFrames frames_;
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
   FrameSample sample_;

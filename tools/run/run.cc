@@ -239,6 +239,10 @@ void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<Frame
     sim::Json entry = {{"frame", number}};
     if (s.is_partial()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
     entry.update(totals_json(result));
+    if (s.tree) {
+      entry["tree"] = {
+          {"refitted", s.tree->refitted}, {"sah_cost", s.tree->sah_cost}, {"sah_growth", s.tree->sah_growth}};
+    }
     if (!s.rendered.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(s.rendered.sampling);
     return entry;
   };

@@ -1,6 +1,8 @@
 #include "tools/sampling/frame_counts.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 
 #include "hw_models/frame/tile_lines.h"
 #include "shader_kernels/catalogue.h"
@@ -16,6 +18,17 @@ namespace {
 /// Largest number of trees that are built to count a sequence. Chosen: updating the tree of 600,000 triangles takes as
 /// long as simulating a frame of 128x64, and counts need not be exact.
 constexpr std::uint32_t kCountedTrees = 8;
+
+/// Triangles and instances of the trees that the machine builds and refits for a frame.
+struct TreeItems {
+  double built = 0, refitted = 0;
+};
+
+TreeItems count_tree_items(const traces::TreeBuilds& builds) {
+  TreeItems items;
+  for (const traces::TreeBuild& tree : builds.trees) (tree.job.refit ? items.refitted : items.built) += tree.items;
+  return items;
+}
 
 }  // namespace
 
@@ -71,18 +84,23 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
   FrameCounter counter;
   std::vector<FrameCounts> frames;
   const std::uint32_t first = inputs.config.scene.first_frame, interval = (inputs.frames() - 1) / kCountedTrees + 1;
-  bool has_moved = false;
+  const bool charges = inputs.config.build.engine != traces::BuildEngine::kHost;
+  const TreeItems of_first = count_tree_items(inputs.builds);
+  std::optional<TreeItems> of_moved;  // of the last updated frame
+  bool is_old = false;                // the tree lacks movement
   for (std::uint32_t i = 0; i < inputs.frames(); ++i) {
-    has_moved = pose_frame(inputs, first + i) || has_moved;
-    if (has_moved && (i % interval == 0 || i + 1 == inputs.frames())) {
+    const bool moved = pose_frame(inputs, first + i);
+    is_old = is_old || moved;
+    if (is_old && (i % interval == 0 || i + 1 == inputs.frames() || (charges && !of_moved))) {
       update_tree(inputs, threads, progress);
-      has_moved = false;
+      of_moved = count_tree_items(inputs.builds);
+      is_old = false;
     }
     if (progress != nullptr) progress->set_phase("counting work");
     double thinning = 1;
-    kernels::FullProgram program = make_counting_pilot(inputs, spec, thinning);
+    const std::unique_ptr<kernels::FullProgram> program = make_counting_pilot(inputs, spec, thinning);
     const traces::BvhTracer tracer(inputs.image);
-    FrontEnd front_end(program, tracer, host_threads(threads) - 1);
+    FrontEnd front_end(*program, tracer, host_threads(threads) - 1);
     counter.begin_frame(inputs.image.layout);
     while (const traces::TileWork* work = front_end.next()) {
       if (is_interrupted()) throw Interrupted{};
@@ -99,6 +117,9 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
     counts.reflection = rays(traces::RayKind::kReflection);
     counts.refraction = rays(traces::RayKind::kRefraction);
     for (const auto member : FrameCounts::kAll) counts.*member *= thinning;
+    const TreeItems items = i == 0 ? of_first : moved ? *of_moved : TreeItems{};
+    counts.built = items.built;
+    counts.refitted = items.refitted;
     frames.push_back(counts);
   }
   go_to_frame(inputs, first, threads, progress);

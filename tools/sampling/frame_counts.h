@@ -17,15 +17,17 @@ struct FrameCounts {
   double visits = 0;                                               ///< node visits
   double tests = 0;                                                ///< triangle tests
   double operations = 0;                                           ///< operations of all launches of kernels
-  double tree_lines = 0;  ///< distinct cache lines of nodes and triangles that the frame reads
-  double data_lines = 0;  ///< distinct cache lines of attributes, materials and textures that the frame reads
-  double tile_lines = 0;  ///< distinct cache lines that a tile reads, summed over tiles
-  double longest = 0;     ///< node visits and triangle tests of a tile's longest ray, summed over tiles
+  double tree_lines = 0;           ///< distinct cache lines of nodes and triangles that the frame reads
+  double data_lines = 0;           ///< distinct cache lines of attributes, materials and textures that the frame reads
+  double tile_lines = 0;           ///< distinct cache lines that a tile reads, summed over tiles
+  double longest = 0;              ///< node visits and triangle tests of a tile's longest ray, summed over tiles
+  double built = 0, refitted = 0;  ///< triangles and instances of the trees that the machine builds and refits
 
-  static constexpr std::array<double FrameCounts::*, 11> kAll = {
+  static constexpr std::array<double FrameCounts::*, 13> kAll = {
       &FrameCounts::primary,    &FrameCounts::shadow,     &FrameCounts::reflection, &FrameCounts::refraction,
       &FrameCounts::visits,     &FrameCounts::tests,      &FrameCounts::operations, &FrameCounts::tree_lines,
-      &FrameCounts::data_lines, &FrameCounts::tile_lines, &FrameCounts::longest};
+      &FrameCounts::data_lines, &FrameCounts::tile_lines, &FrameCounts::longest,    &FrameCounts::built,
+      &FrameCounts::refitted};
   friend bool operator==(const FrameCounts&, const FrameCounts&) = default;
 };
 

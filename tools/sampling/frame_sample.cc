@@ -190,8 +190,9 @@ FrameSampling parse_representative(const std::string& text) {
 }
 
 void check_representative(const kernels::ProgramSpec& program) {
-  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
-  throw sim::InputError(fmt::format("--representative: frames of {} are not counted; allowed: full:N", program.name()));
+  if (program.has_independent_tiles()) return;
+  throw sim::InputError(
+      fmt::format("--representative: frames of {} are not counted; allowed: full:N, path:N", program.name()));
 }
 
 FrameClusters cluster_frames(std::span<const FrameCounts> counts, std::uint32_t wanted, std::uint64_t seed) {

@@ -10,6 +10,7 @@
 #include "hw_models/srp/tile_buffer.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/path_program.h"
 #include "tools/host/process.h"
 
 namespace tools {
@@ -55,7 +56,8 @@ kernels::FullProgram make_pilot(const Inputs& inputs, const kernels::ProgramSpec
   return pilot_program(inputs, spec, kSides, thinning);
 }
 
-kernels::FullProgram make_counting_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
+std::unique_ptr<kernels::FullProgram> make_counting_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec,
+                                                          double& thinning) {
   const double samples = double{1} * inputs.config.render.width * inputs.config.render.height * spec.samples;
   kernels::RenderConfig render = inputs.config.render;
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
@@ -64,7 +66,11 @@ kernels::FullProgram make_counting_pilot(const Inputs& inputs, const kernels::Pr
   render.height = (render.height * grid + square - 1) / square;
   render.tile = tile_side(render, spec);
   thinning = samples / (double{1} * render.width * render.height);
-  return {inputs.image, inputs.camera, render, 1, inputs.frame};
+  if (spec.kind == kernels::ProgramSpec::Kind::kPath) {
+    return std::make_unique<kernels::PathProgram>(inputs.image, inputs.camera, render, inputs.config.programs.path, 1,
+                                                  inputs.frame);
+  }
+  return std::make_unique<kernels::FullProgram>(inputs.image, inputs.camera, render, 1, inputs.frame);
 }
 
 std::uint32_t count_tests(const std::uint32_t* walk) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -56,7 +57,8 @@ kernels::FullProgram make_pilot(const Inputs& inputs, const kernels::ProgramSpec
 
 /// Returns a program that only counts work: a picture of at least a few thousand samples, with tiles of the same number
 /// of samples as the frame's. `thinning`: set to the frame's samples per sample of the picture.
-kernels::FullProgram make_counting_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning);
+std::unique_ptr<kernels::FullProgram> make_counting_pilot(const Inputs& inputs, const kernels::ProgramSpec& spec,
+                                                          double& thinning);
 
 /// Returns the number of triangle tests of a ray's walk.
 std::uint32_t count_tests(const std::uint32_t* walk);

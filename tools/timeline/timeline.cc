@@ -247,7 +247,7 @@ using Slice = RecordedSlice;
 constexpr std::uint32_t kNotSelected = std::numeric_limits<std::uint32_t>::max();
 
 /// Returns a rank for each timeline slice: the position in the selection of the first selected tile during which the
-/// slice occurs, or kNotSelected.
+/// slice occurs, or kNotSelected. Slices of the tree builder have rank 0.
 std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
                                        bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
@@ -264,6 +264,10 @@ std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices,
   std::vector<std::uint32_t> out;
   out.reserve(slices.size());
   for (const Slice& slice : slices) {
+    if (slice.kind == Slice::Kind::kBuild) {
+      out.push_back(0);
+      continue;
+    }
     const auto shows = [&](const Window& w) {
       return w.core == slice.core && slice.begin < w.end && slice.end > w.begin;
     };
@@ -327,6 +331,10 @@ class SliceWriter {
                        "transfer", flow, {{"bytes", slice.amount}, {"tile", tile}});
         break;
       }
+      case Slice::Kind::kBuild:
+        to.begin_slice(time, track, names_of(hw::BuildPass{}).at(slice.what), "build", 0,
+                       {{"triangles", slice.amount}, {"runs", slice.runs}});
+        break;
     }
   }
 
@@ -457,6 +465,7 @@ void TimelineRecorder::on_event(const hw::Event& event) {
                        },
                        [&](const hw::BatchEnded& e) { end_batch(e); },
                        [&](const hw::TransferEnded& e) { add_transfer(e); },
+                       [&](const hw::BuildPassEnded& e) { add_build_pass(e); },
                        [&](const hw::L2LookedUp& e) { (e.hit ? bin_at(e.at).l2_hits : bin_at(e.at).l2_misses) += 1; },
                        [&](const hw::DramServed& e) {
                          (e.request.write ? bin_at(e.end).lines_written : bin_at(e.end).lines_read) += 1;
@@ -529,6 +538,15 @@ void TimelineRecorder::add_transfer(const hw::TransferEnded& transfer) {
                      .amount = transfer.bytes,
                      .begin = transfer.begin,
                      .end = transfer.end});
+}
+
+void TimelineRecorder::add_build_pass(const hw::BuildPassEnded& pass) {
+  slices_.push_back({.kind = RecordedSlice::Kind::kBuild,
+                     .what = static_cast<std::uint8_t>(pass.pass),
+                     .amount = pass.items,
+                     .runs = pass.runs,
+                     .begin = pass.begin,
+                     .end = pass.end});
 }
 
 }  // namespace tools

@@ -14,18 +14,19 @@
 
 namespace tools {
 
-/// A slice of the timeline: one activity of a core, with its begin and end.
+/// A slice of the timeline: one activity of a core or of the tree builder, with its begin and end.
 struct RecordedSlice {
-  enum class Kind : std::uint8_t { kTile, kLoop, kRays, kTransfer };
+  enum class Kind : std::uint8_t { kTile, kLoop, kRays, kTransfer, kBuild };
   Kind kind = Kind::kTile;
-  std::uint8_t what = 0;   ///< kRays: kind of ray; kTransfer: area of memory
+  std::uint8_t what = 0;   ///< kRays: kind of ray; kTransfer: area of memory; kBuild: hw::BuildPass
   bool to_memory = false;  ///< kTransfer: true for a write to memory
   std::uint16_t core = 0;
-  std::uint16_t slot = 0;                            ///< kTile: tile slot of the core
-  std::uint16_t kernel = 0;                          ///< kLoop: number of the kernel
-  std::uint32_t entry = kNoEntry;                    ///< index in the tile list
-  std::uint32_t amount = 0;                          ///< kLoop: items; kRays: rays; kTransfer: bytes
-  std::uint32_t launches = 0;                        ///< kLoop: number of chunks of kernel launches in the loop
+  std::uint16_t slot = 0;          ///< kTile: tile slot of the core
+  std::uint16_t kernel = 0;        ///< kLoop: number of the kernel
+  std::uint32_t entry = kNoEntry;  ///< index in the tile list
+  std::uint32_t amount = 0;        ///< kLoop: items; kRays: rays; kTransfer: bytes; kBuild: triangles or instances
+  std::uint32_t launches = 0;      ///< kLoop: number of chunks of kernel launches in the loop
+  std::uint32_t runs = 0;          ///< kBuild: number of runs of sorted records
   std::uint32_t rays_at_begin = 0, rays_at_end = 0;  ///< kRays: number of rays in the core's T&I unit
   sim::Time begin = 0, end = 0;
   sim::Time configured = 0, start = 0;  ///< kLoop: end of the configuration switch; begin of the loop
@@ -59,6 +60,7 @@ class TimelineRecorder final : public hw::Observer {
   void add_loop(const hw::LoopEnded& loop);
   void end_batch(const hw::BatchEnded& event);
   void add_transfer(const hw::TransferEnded& transfer);
+  void add_build_pass(const hw::BuildPassEnded& pass);
 
   struct Slot {
     hw::TileTag owner = hw::kNoTile;
@@ -115,7 +117,8 @@ struct Timeline {
 /// Exports all activity of cores during the selected tiles (dependencies may be in other tiles).
 ///
 /// 1. Each core is a process with tracks for its shader core, for overlapping batches of rays, for its DMA and for each
-///    tile slot. One more process, `shared`, has the counters of L2, memory and power.
+///    tile slot. One more process, `shared`, has the counters of L2, memory and power, and a track for the tree
+///    builder, which is shown whatever tiles are selected.
 /// 2. A flow connects the slices of each tile.
 /// 3. If the file would exceed `most_bytes`, slices are left out, those of the last selected tiles first. If all tiles
 ///    are selected, the latest slices are left out.

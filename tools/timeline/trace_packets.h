@@ -182,8 +182,8 @@ class TracePackets {
   InternedTexts names_, categories_, notes_;
 };
 
-/// Ranks of tracks within a core, top to bottom.
-enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 102, kOfCounters = 103 };
+/// Ranks of tracks within a core or within `shared`, top to bottom.
+enum Rank : std::int32_t { kOfTiles = 0, kOfBuilder = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 102, kOfCounters = 103 };
 
 /// Tracks of a timeline: a process for each core, and one shared by all.
 class TimelineTracks {
@@ -195,6 +195,10 @@ class TimelineTracks {
   /// Returns the track of a timeline slice. Call it for a core's slices in the order in which they begin, because
   /// overlapping batches of rays get different tracks.
   std::uint64_t track_of(const RecordedSlice& slice) {
+    if (slice.kind == RecordedSlice::Kind::kBuild) {
+      if (builder_ == 0) builder_ = create_track(shared_process(), "tree builder", kOfBuilder);
+      return builder_;
+    }
     Core& core = cores_[slice.core];
     const std::uint64_t parent = process_of(slice.core);
     switch (slice.kind) {
@@ -211,6 +215,7 @@ class TimelineTracks {
         return slot;
       }
       case RecordedSlice::Kind::kRays:
+      case RecordedSlice::Kind::kBuild:
         break;
     }
     const auto is_free = [&](const Lane& lane) { return lane.free_at <= slice.begin; };
@@ -258,6 +263,7 @@ class TimelineTracks {
   }
 
   std::vector<Core> cores_;
+  std::uint64_t builder_ = 0;
   std::vector<TimelineTrack> tracks_;
 };
 

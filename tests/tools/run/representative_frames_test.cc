@@ -75,6 +75,37 @@ TEST(RepresentativeFrames, OfAShortSequenceWithVaryingFramesAreAllOfThem) {
   EXPECT_EQ(some["totals"]["representative"]["cycles"]["low"], some["totals"]["representative"]["cycles"]["high"]);
 }
 
+TEST(RepresentativeFrames, MayHavePaths) {
+  JobOptions options = orbit_options("180", "0:7");
+  options.program = "path:1";
+  options.sets.emplace_back("render.depth=2");
+  const sim::Json whole = report_of(options, ""), some = report_of(options, "2");
+  EXPECT_EQ(some["totals"]["representative"]["simulated"], 4);
+  const double cycles = whole["totals"]["cycles"].get<double>();
+  EXPECT_NEAR(some["totals"]["cycles"].get<double>(), cycles, 0.05 * cycles) << "paths differ from frame to frame";
+}
+
+TEST(RepresentativeFrames, BuildTheFirstTreeAndRefitItInLaterFrames) {
+  JobOptions options;
+  options.scene = "car";
+  options.resolution = "32x16";
+  options.frames = "0:4";
+  options.threads = 1;
+  options.sets = {"scene.triangles=3000", "render.tile=16", "build.engine=unit", "build.policy=refit",
+                  "bvh.builder=lbvh"};
+  const sim::Json whole = report_of(options, ""), some = report_of(options, "auto");
+  ASSERT_EQ(some["totals"]["representative"]["simulated"], 5) << "too few frames to leave some out";
+  EXPECT_EQ(some["totals"]["cycles"], whole["totals"]["cycles"]);
+  for (const sim::Json& frame : some["frames"]) EXPECT_EQ(frame["tree"]["refitted"], frame["frame"] != 0);
+  Inputs inputs = load_inputs(options);
+  const auto triangles = static_cast<double>(inputs.image.triangles.size());
+  const std::vector<FrameCounts> counts = count_frames(inputs, kernels::parse_program("full:1"), 1, nullptr);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    EXPECT_EQ(counts[i].built, i == 0 ? triangles : 0);
+    EXPECT_EQ(counts[i].refitted, i == 0 ? 0 : triangles);
+  }
+}
+
 TEST(RepresentativeFrames, MayHaveSampledTiles) {
   JobOptions options = orbit_options("180", "0:5");
   options.resolution = "160x160";

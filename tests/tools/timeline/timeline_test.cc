@@ -148,6 +148,33 @@ TEST(Timelines, OfATileShowWhatItsCoreDidMeanwhile) {
   EXPECT_EQ(tiles.at("x")[1], 16);
 }
 
+TEST(Timelines, ShowThePassesOfTheTreeBuilder) {
+  const Inputs inputs = small_inputs({"render.tile=16", "scene.triangles=3000", "bvh.builder=lbvh", "build.engine=unit",
+                                      "tree_builder.run=256", "tree_builder.ways=8"},
+                                     "32x16", "car");
+  TimelineRecorder recorder(inputs.config.gpu->cores);
+  const FrameResult s = simulate_frame(inputs, {}, 1, {.itemised = true, .observer = &recorder});
+  const TileFrame tiles = compute_tile_table(s, inputs.config, 0);
+  for (const char* asked : {"all", "slowest:1"}) {
+    const DecodedTimeline timeline =
+        decode_timeline(make_timeline(recorder, parse_timeline(asked), s, tiles, inputs.config).bytes);
+    EXPECT_EQ(timeline.problem, "");
+    std::vector<std::string> passes;
+    std::uint64_t end = 0;
+    for (const DecodedSlice& slice : timeline.slices) {
+      if (slice.category != "build") continue;
+      passes.push_back(slice.name);
+      EXPECT_EQ(timeline.path(slice), "shared/tree builder");
+      EXPECT_EQ(slice.notes.at("triangles"), inputs.builds.sizes.triangles);
+      end = slice.end;
+    }
+    EXPECT_EQ(passes, (std::vector<std::string>{"sort", "merge", "hierarchy", "invalidate"})) << asked;
+    for (const DecodedSlice& slice : timeline.slices) {
+      EXPECT_TRUE(slice.category != "tile" || slice.begin >= end) << "tiles wait for the tree";
+    }
+  }
+}
+
 TEST(Timelines, KeepToTheirRoomAndSayWhatHadNone) {
   const Timeline all = recorded().make("all");
   EXPECT_EQ(all.dropped, 0U);

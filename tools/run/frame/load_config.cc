@@ -219,6 +219,17 @@ void RunConfig::describe(auto& c, auto&& field) {
   field.group(NAMED(c.limits), "limits for scene files");
 }
 
+/// Complains about records of the tree builder that have no room for the keys of bvh.morton_bits.
+void RunConfig::check_sorted_records(auto&& complain) const {
+  constexpr std::uint32_t kLongKeyBits = 63, kShortRecord = 8, kShortRecordWithBox = 32;
+  const std::uint32_t bytes = gpu->tree_builder.record_bytes;
+  if (build.engine != traces::BuildEngine::kUnit || bvh.builder == traces::TreeBuilder::kEmbree) return;
+  if (bvh.morton_bits < kLongKeyBits || (bytes != kShortRecord && bytes != kShortRecordWithBox)) return;
+  complain("tree_builder.record_bytes", fmt::format("is {}, without room for keys of 63 bits; allowed with "
+                                                    "bvh.morton_bits: 63: 12, or 36 with boxes",
+                                                    bytes));
+}
+
 void RunConfig::check(auto&& complain) const {
   gpu->check(complain);
   if (gpu->tni.predictor.enabled && bvh.instances == traces::InstanceLevels::kTwoLevel) {
@@ -231,6 +242,7 @@ void RunConfig::check(auto&& complain) const {
              "is unit, which has no comparators for bvh.builder: ploc; allowed: tree_builder.comparators "
              "of 1 or more");
   }
+  check_sorted_records(complain);
   if (build.engine != traces::BuildEngine::kSrp) return;
   if (bvh.builder == traces::TreeBuilder::kPloc) {
     complain("build.engine", "is srp, whose kernels sort Morton codes; allowed with bvh.builder: ploc: host, unit");
@@ -300,6 +312,16 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
                               options.program, options.reference));
   }
   return out;
+}
+
+std::vector<std::string> tree_builder_warnings(const RunConfig& config) {
+  if (config.build.engine == traces::BuildEngine::kHost || config.bvh.builder != traces::TreeBuilder::kEmbree) {
+    return {};
+  }
+  return {
+      fmt::format("build.engine={} charges sorting and merging, but rays find the better tree of bvh.builder=embree; "
+                  "bvh.builder=lbvh builds what is charged",
+                  names_of(config.build.engine)[static_cast<std::size_t>(config.build.engine)])};
 }
 
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {

@@ -116,6 +116,9 @@ struct RunConfig {
 
   static void describe(auto& c, auto&& field);
   void check(auto&& complain) const;
+
+ private:
+  void check_sorted_records(auto&& complain) const;
 };
 
 /// Loads the configuration of a run: the file, the workload if --scene names one, then --set, --scene, --camera,
@@ -124,6 +127,8 @@ RunConfig load_run_config(const JobOptions& options);
 
 /// Returns a warning for each setting of the command line that has no effect.
 std::vector<std::string> ineffective_setting_warnings(const JobOptions& options, const RunConfig& config);
+/// Returns a warning if the machine is charged for a tree that its engine cannot build.
+std::vector<std::string> tree_builder_warnings(const RunConfig& config);
 
 /// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);

@@ -143,13 +143,18 @@ bool is_refit(const Inputs& in) {
   return in.config.bvh.update == traces::BvhUpdate::kRefit;
 }
 
-/// Records the trees that the machine builds or refits for the current frame of `scene`, and their cost.
+/// Records the cost of the trees after an update, if the policy or the report needs it.
+void note_tree_costs(Inputs& in, bool refit) {
+  const traces::BuildConfig& build = in.config.build;
+  if (build.policy != traces::BuildPolicy::kCost && build.engine == traces::BuildEngine::kHost) return;
+  in.refitted = refit;
+  in.costs = traces::tree_costs(in.image, in.config.bvh);
+  if (!refit) in.built_costs = in.costs;
+}
+
+/// Records the trees that the machine builds or refits for the current frame of `scene`.
 void note_built_trees(Inputs& in, const traces::Scene& scene, bool refit) {
   const traces::BuildConfig& build = in.config.build;
-  if (build.policy == traces::BuildPolicy::kCost) {
-    in.costs = traces::tree_costs(in.image, in.config.bvh);
-    if (!refit) in.built_costs = in.costs;
-  }
   if (build.engine == traces::BuildEngine::kHost) return;
   in.builds =
       traces::tree_builds(in.image, refit, build.overlap == traces::BuildOverlap::kOn, in.config.bvh.ploc_radius);
@@ -180,6 +185,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   Inputs in = load_inputs(config, options.threads, progress);
   add_warnings(in.warnings, ineffective_setting_warnings(options, config));
   add_warnings(in.warnings, technology_table_warnings(config));
+  add_warnings(in.warnings, tree_builder_warnings(config));
   return in;
 }
 
@@ -195,8 +201,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.frame = in.config.scene.first_frame;
   in.scene_size = scene_size_in_frame_0(scene, in.config.scene);
   const bool charges = in.config.build.engine != traces::BuildEngine::kHost;
-  const bool moves = (charges || in.config.build.policy == traces::BuildPolicy::kCost) &&
-                     moves_before_first_frame(scene, in.config.scene);
+  const bool moves = charges && moves_before_first_frame(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
   in.scene.name = sim::with_escaped_bytes(in.scene.name);
@@ -213,6 +218,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parent_indices(in.image);
   in.builds.engine = in.config.build.engine;
+  note_tree_costs(in, false);
   if (moves) note_built_trees(in, scene, false);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
@@ -256,6 +262,7 @@ void update_tree(Inputs& in, std::uint32_t threads, Progress* progress) {
   bvh.update = refit ? traces::BvhUpdate::kRefit : traces::BvhUpdate::kRebuild;
   traces::update_memory_image(in.moving, bvh, host_threads(threads), in.image, is_interrupted);
   in.parents = traces::parent_indices(in.image);
+  note_tree_costs(in, refit);
   note_built_trees(in, in.moving, refit);
   in.update_seconds += sim::seconds_since(begin);
 }
@@ -355,6 +362,10 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
 
   FrameResult s;
   s.program = program;
+  if (!inputs.costs.empty()) {
+    const double growth = traces::cost_growth(inputs.built_costs, inputs.costs).front();
+    s.tree = MovedTree{inputs.refitted, inputs.costs.front(), growth};
+  }
   s.machine = inputs.config.gpu;
   s.rendered = front_end.result();
   collect_results(*gpu, inputs.config, s);

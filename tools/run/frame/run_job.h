@@ -49,8 +49,10 @@ struct Inputs {
   std::uint64_t stored_triangles = 0;  ///< triangles in the memory image; triangles that instances share count once
   std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
   traces::TreeBuilds builds;           ///< trees that the machine builds for this frame; empty if nothing moved
-  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); only for build.policy: cost.
+  /// SAH cost of each tree after its last build, and now (traces::tree_costs()); empty unless the machine builds trees
+  /// or build.policy is cost.
   std::vector<double> built_costs, costs;
+  bool refitted = false;  ///< the last update has refitted the tree
   double load_seconds = 0;
   double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
   traces::Scene moving;       ///< scene for later frames; empty if there are none
@@ -138,6 +140,13 @@ struct DenoiseCost {
   double energy_pj = 0;
 };
 
+/// The tree of a frame of a moving scene.
+struct MovedTree {
+  bool refitted = false;  ///< the last update has refitted the tree, not rebuilt it
+  double sah_cost = 0;
+  double sah_growth = 1;  ///< factor by which the cost has grown since the last build
+};
+
 /// Results of one or several frames on the machine.
 struct FrameResult {
   kernels::ProgramSpec program;
@@ -157,6 +166,7 @@ struct FrameResult {
   std::optional<SampledFrame> sampled;           ///< set if the results are estimated from sampled tiles
   std::optional<RepresentedFrames> represented;  ///< set if the results are estimated from some frames of a sequence
   std::optional<SlicedFrame> sliced;             ///< set if slices were requested
+  std::optional<MovedTree> tree;                 ///< of the first frame; set if the frame's Inputs have its costs
   std::optional<DenoiseCost> denoise;            ///< set if a denoiser was configured
   std::vector<FrameResult> replicates;           ///< results of perturbed machines, without pictures
   std::vector<SustainStep> sustained;  ///< the same work at each of the governor's clocks, if thermal.minutes is set

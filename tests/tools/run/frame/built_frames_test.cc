@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
@@ -121,6 +123,46 @@ TEST(BuiltFrames, RefuseWhatNoEngineBuilds) {
   EXPECT_TRUE(names(complaint({"build.engine=srp", "build.overlap=on"}), "overlap"));
   EXPECT_TRUE(names(complaint({"build.engine=unit", "bvh.builder=ploc"}), "tree_builder.comparators"));
   EXPECT_EQ(complaint({"build.engine=unit", "bvh.builder=ploc", "tree_builder.comparators=16"}), "none");
+}
+
+TEST(BuiltFrames, RefuseRecordsWithoutRoomForLongKeys) {
+  const auto with = [](const char* bits, const char* bytes) {
+    return complaint({"build.engine=unit", "bvh.builder=lbvh", fmt::format("bvh.morton_bits={}", bits),
+                      fmt::format("tree_builder.record_bytes={}", bytes)});
+  };
+  for (const char* bytes : {"8", "32"}) {
+    const std::string text = with("63", bytes);
+    EXPECT_TRUE(text.find("tree_builder.record_bytes") != std::string::npos && text.find("12") != std::string::npos)
+        << text;
+    EXPECT_EQ(with("30", bytes), "none");
+  }
+  for (const char* bytes : {"12", "36"}) EXPECT_EQ(with("63", bytes), "none");
+  EXPECT_EQ(complaint({"bvh.builder=lbvh", "bvh.morton_bits=63"}), "none") << "the host has no records";
+}
+
+TEST(BuiltFrames, WarnIfTheEngineCannotBuildTheTree) {
+  const auto warns = [](const std::vector<std::string>& sets) {
+    return std::ranges::any_of(load_inputs(options_of("car", sets, "0")).warnings,
+                               [](const std::string& line) { return line.find("bvh.builder=lbvh") != line.npos; });
+  };
+  EXPECT_TRUE(warns({"build.engine=unit"}));
+  EXPECT_FALSE(warns({"build.engine=unit", "bvh.builder=lbvh"}));
+  EXPECT_FALSE(warns({}));
+}
+
+TEST(BuiltFrames, ReportTheCostOfTheirTrees) {
+  JobOptions options = options_of("car", {"build.engine=unit", "build.policy=period", "build.period=2"});
+  Inputs inputs = load_inputs(options);
+  std::vector<MovedTree> trees;
+  for_each_frame(inputs, 1, nullptr,
+                 [&] { trees.push_back(*simulate_frame(inputs, kernels::parse_program(options.program), 1).tree); });
+  ASSERT_EQ(trees.size(), 4U);
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    EXPECT_EQ(trees[i].refitted, i % 2 == 1);
+    EXPECT_GT(trees[i].sah_cost, 0);
+    const double built = trees[i - i % 2].sah_cost;
+    EXPECT_DOUBLE_EQ(trees[i].sah_growth, trees[i].sah_cost / built);
+  }
 }
 
 }  // namespace
