@@ -13,8 +13,6 @@ struct ClockConfig;
 
 namespace tools {
 
-inline constexpr double kMilliwattsPerWatt = 1000;
-
 /// A clock domain of the chip with its own supply. The memory and its interface have other supplies.
 struct ClockDomain {
   std::string_view name;
