@@ -152,7 +152,7 @@ TEST(Builders, GiveTheSameTreeForAnyNumberOfThreads) {
 }
 
 /// Fails unless two images of a scene give equal hits, bit by bit.
-void expect_same_hits(const MemoryImage& a, const MemoryImage& b, const std::vector<Ray>& rays) {
+void expect_equal_hits(const MemoryImage& a, const MemoryImage& b, const std::vector<Ray>& rays) {
   const auto named = [](const MemoryImage& image, Hit hit) {
     if (hit.is_hit()) hit.triangle = image.triangles[hit.triangle_index()].source | (hit.triangle & ~kTriangleMask);
     return hit;
@@ -174,8 +174,8 @@ TEST(Builders, GiveTheHitsOfEmbreesTree) {
       for (const auto& [width, format] : {std::pair{2U, NodeFormat::kFp32}, {8U, NodeFormat::kQ8}}) {
         SCOPED_TRACE(name_of(builder) + std::to_string(width));
         const MemoryImage image = build_memory_image(scene, {.builder = builder, .width = width, .format = format}, 1);
-        expect_same_hits(image, expected, random_rays(2000));
-        expect_same_hits(image, expected, grid_rays(2000));
+        expect_equal_hits(image, expected, random_rays(2000));
+        expect_equal_hits(image, expected, grid_rays(2000));
       }
     }
   }
@@ -189,7 +189,7 @@ TEST(Builders, GiveTheHitsOfEmbreesTreeInTwoLevels) {
       SCOPED_TRACE(name_of(builder));
       const MemoryImage image =
           build_memory_image(scene, {.builder = builder, .instances = InstanceLevels::kTwoLevel, .width = width}, 1);
-      expect_same_hits(image, expected, random_rays(5000));
+      expect_equal_hits(image, expected, random_rays(5000));
       ASSERT_EQ(image.build_statistics.size(), 1 + image.trees.size());
       std::uint32_t shown = 0;
       for (const std::uint32_t tree : image.tree_of) shown += tree != kNone ? 1 : 0;
@@ -257,7 +257,7 @@ TEST(Builders, SplitAtTheMedianWhereATreeWouldBeTooDeep) {
         const Scene scene = triangle_soup(5000, 0.1F);
         const MemoryImage image = build_memory_image(scene, config, 1);
         expect_valid_tree(image, config);
-        expect_same_hits(image, build_memory_image(scene), random_rays(300));
+        expect_equal_hits(image, build_memory_image(scene), random_rays(300));
       }
     }
   }
@@ -319,7 +319,7 @@ TEST(Builders, GiveEachFigureOfTheCrowdATree) {
   for (std::size_t k = 0; k < image.trees.size(); ++k) {
     EXPECT_EQ(growth[1 + k] != 1, image.trees[k].only != kNone) << "rigid meshes keep their trees";
   }
-  expect_same_hits(image, build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}), random_rays(1000));
+  expect_equal_hits(image, build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}), random_rays(1000));
 }
 
 /// SAH costs divided by those of Embree's tree; the bounds are 10 % around the measured values. Values outside of the
