@@ -152,6 +152,12 @@ std::string ray_list(std::size_t count) {
 
 nlohmann::json read_json(const std::filesystem::path& path) { return nlohmann::json::parse(read_bytes(path)); }
 
+nlohmann::json repeatable(nlohmann::json report) {
+  report.erase("host");
+  report["provenance"].erase("argv");
+  return report;
+}
+
 Words names_in(const std::filesystem::path& folder) {
   Words names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());

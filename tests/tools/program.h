@@ -82,6 +82,9 @@ std::string ray_list(std::size_t count);
 
 nlohmann::json read_json(const std::filesystem::path& path);
 
+/// Returns the parts of a report that are equal for equal inputs.
+nlohmann::json repeatable(nlohmann::json report);
+
 /// Returns the names of all files in a folder, sorted, including hidden ones.
 Words names_in(const std::filesystem::path& folder);
 

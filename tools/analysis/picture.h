@@ -31,7 +31,7 @@ std::optional<double> psnr_db(double mean_squared_error);
 
 /// Errors as viewers perceive them; sums over frames.
 struct PerceivedError {
-  double flip = 0;            ///< mean FLIP error (flip.h)
+  double flip = 0;            ///< mean FLIP error (mean_flip())
   std::uint32_t frames = 0;   ///< frames that `flip` sums; 0: not computed
   double flicker = 0;         ///< mean change of still pixels since the previous frame, sRGB
   std::uint32_t changes = 0;  ///< frames that `flicker` sums

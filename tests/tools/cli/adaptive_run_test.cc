@@ -16,18 +16,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json report_of(const std::filesystem::path& out, const std::string& program, const Words& more = {}) {
+Json report_of_program(const std::filesystem::path& out, const std::string& program, const Words& more = {}) {
   Words words = small_run(out, {"--program", program});
   words.insert(words.end(), more.begin(), more.end());
   const ProcessResult ending = raywatt(words);
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
-}
-
-Json repeatable(Json report) {
-  report.erase("host");
-  report["provenance"].erase("argv");
-  return report;
 }
 
 class AdaptiveRun : public testing::TestWithParam<const char*> {
@@ -43,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveRun, testing::Values("multirate:under
 
 TEST_P(AdaptiveRun, ReportsItsSamples) {
   // Adjacent pixels of such a small picture are far apart in the scene.
-  const Json report = report_of(folder_.path() / "out", GetParam(), {"--set", "undersample.position=0.2"});
+  const Json report = report_of_program(folder_.path() / "out", GetParam(), {"--set", "undersample.position=0.2"});
   EXPECT_EQ(report["program"], GetParam());
   const Json& totals = report["totals"];
   const Json& s = totals["sampling"];
@@ -88,8 +82,8 @@ TEST_P(AdaptiveRun, DoesNotDependOnTheThreadsOfTheHost) {
 }
 
 TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
-  const Json first = report_of(folder_.path() / "first", GetParam(),
-                               {"--set", "undersample.correction=four", "--set", "multirate.halo=retrace"});
+  const Json first = report_of_program(folder_.path() / "first", GetParam(),
+                                       {"--set", "undersample.correction=four", "--set", "multirate.halo=retrace"});
   const std::filesystem::path out = folder_.path() / "second";
   const ProcessResult ending = raywatt(
       {"run", (folder_.path() / "first" / "config.yaml").string(), "--program", GetParam(), "-o", out.string()});
@@ -112,7 +106,8 @@ std::map<std::string, double> reasons_of(const std::filesystem::path& out) {
 TEST(TracingReasons, AreSharesOfAllTracedSamples) {
   const TempFolder folder;
   for (const char* program : {"multirate:under", "undersample", "supersample"}) {
-    const Json report = report_of(folder.path() / "out", program, {"--set", "supersample.propagate=2", "--force"});
+    const Json report =
+        report_of_program(folder.path() / "out", program, {"--set", "supersample.propagate=2", "--force"});
     const std::map<std::string, double> shares = reasons_of(folder.path() / "out");
     double sum = 0;
     for (const auto& [name, share] : shares) sum += share;

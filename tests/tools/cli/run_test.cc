@@ -27,13 +27,6 @@ void expect_members(const Json& object, const Words& names, const std::string& w
 const Words kBand = {"low", "nominal", "high"};
 const Words kBlocks = {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"};
 
-/// Returns the parts of a report that are equal for equal inputs.
-Json repeatable(Json report) {
-  report.erase("host");
-  report["provenance"].erase("argv");
-  return report;
-}
-
 /// Calls `f` with path and report of every unit.
 template <class F>
 void each_unit(const Json& tree, const std::string& path, F&& f) {
