@@ -9,7 +9,7 @@
 namespace hw {
 
 NodePrefetcher::NodePrefetcher(const TrvConfig& config, const TreeInMemory& tree,
-                               std::shared_ptr<const Treelets> treelets, sim::Link<LeafPrefetch>& leaves_out)
+                               std::shared_ptr<const Treelets> treelets, sim::Link<LeafPrefetch>* leaves_out)
     : depth_(config.prefetch_depth),
       keeps_stacks_(config.prefetch == Prefetch::kStack),
       can_issue_(config.l1.mshrs >= 2),
@@ -102,7 +102,7 @@ void NodePrefetcher::fill_line(Addr line) {
 void NodePrefetcher::queue_link(std::uint32_t link, std::uint32_t slot) {
   if (traces::is_instance(link)) return queue_line(tree_.line_of_instance(traces::link_instance(link)), slot);
   if (traces::is_leaf(link)) {
-    if (leaves_.size() == TrvConfig::kPrefetchQueue) {
+    if (leaves_out_ == nullptr || leaves_.size() == TrvConfig::kPrefetchQueue) {
       stats_.dropped += 1;
     } else {
       leaves_.push_back({link, slot});
@@ -137,18 +137,18 @@ bool NodePrefetcher::issue_prefetch(FetchStage& fetch, std::uint64_t cycle) {
 }
 
 bool NodePrefetcher::send_leaf(const FetchStage& fetch, sim::Time now) {
-  if (leaves_.empty() || !leaves_out_.can_push(now)) return false;
+  if (leaves_.empty() || !leaves_out_->can_push(now)) return false;
   const QueuedLeaf next = leaves_.front();
   leaves_.pop_front();
-  leaves_out_.push(now, {traces::leaf_first(next.link), static_cast<std::uint8_t>(traces::leaf_count(next.link)),
-                         fetch.slot_tile(next.slot)});
+  leaves_out_->push(now, {traces::leaf_first(next.link), static_cast<std::uint8_t>(traces::leaf_count(next.link)),
+                          fetch.slot_tile(next.slot)});
   stats_.leaves += 1;
   return true;
 }
 
 sim::Time NodePrefetcher::next_wake(const FetchStage& fetch, sim::Time next) const {
   if (fetch.can_prefetch() && (!queue_.empty() || reads_map())) return next;
-  return leaves_.empty() ? sim::kNever : std::max(next, leaves_out_.push_at());
+  return leaves_.empty() ? sim::kNever : std::max(next, leaves_out_->push_at());
 }
 
 }  // namespace hw

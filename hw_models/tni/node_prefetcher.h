@@ -41,9 +41,10 @@ class NodePrefetcher {
     std::uint64_t map_reads = 0, map_misses = 0;  ///< lines of the map read; those of them whose probe missed
   };
 
-  /// `treelets`: treelets of the scene, with prefetch: treelet; otherwise null. `leaves_out`: to the intersection unit.
+  /// `treelets`: treelets of the scene, with prefetch: treelet; otherwise null. `leaves_out`: to the intersection unit;
+  /// null if its L1 has no MSHR for prefetches, so that leaves are dropped.
   NodePrefetcher(const TrvConfig& config, const TreeInMemory& tree, std::shared_ptr<const Treelets> treelets,
-                 sim::Link<LeafPrefetch>& leaves_out);
+                 sim::Link<LeafPrefetch>* leaves_out);
 
   void begin_ray(std::uint32_t slot);
   /// Notes that a binary visit pushed the child at `link`.
@@ -107,7 +108,7 @@ class NodePrefetcher {
   const bool can_issue_;  ///< the L1 has an MSHR that demand misses do not need
   const TreeInMemory& tree_;
   const std::shared_ptr<const Treelets> treelets_;
-  sim::Link<LeafPrefetch>& leaves_out_;
+  sim::Link<LeafPrefetch>* const leaves_out_;
   std::vector<RayStack> stacks_;
   std::vector<Addr> lines_;  ///< scratch space: lines of a node
   std::uint32_t last_treelet_ = Treelets::kNone;

@@ -77,6 +77,7 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
   }
   const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
   const sim::Clock clock = dispatcher_id_.clock;
+  const bool prefetches_leaves = config_.trv.has_prefetch_queue() && config_.ist.l1.mshrs >= 2;
   const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
   sim::Link<RayJob>* rays = &links.rays_in;
   if (predictor_id_) {
@@ -91,11 +92,10 @@ void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32
     const sim::UnitId trv = trv_ids_[t], ist = ist_ids_[t % ist_ids_.size()];
     dispatcher.to_trv.push_back(&machine.link<RayJob>(depth, 1, dispatcher_id_, trv));
     dispatcher.from_trv.push_back(&machine.link<RayDone>(depth, 1, trv, dispatcher_id_));
-    leaves.push_back({&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist),
-                      &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv),
-                      config_.trv.has_prefetch_queue()
-                          ? &machine.link<LeafPrefetch>(leaf_latency + depth, leaf_latency, trv, ist)
-                          : nullptr});
+    leaves.push_back(
+        {&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist),
+         &machine.link<LeafDone>(config_.trv.rays, 1, ist, trv),
+         prefetches_leaves ? &machine.link<LeafPrefetch>(leaf_latency + depth, leaf_latency, trv, ist) : nullptr});
   }
   dispatcher_ = &machine.build<RayDispatcher>(
       dispatcher_id_,

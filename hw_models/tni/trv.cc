@@ -62,7 +62,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
   links_.leaves_in.store_pop_time_in(&arrivals_.answers, &arrivals_.soonest);
   links_.memory_in.store_pop_time_in(&arrivals_.lines, &arrivals_.soonest);
   if (features_.prefetcher) {
-    prefetcher_.emplace(config, tree_, std::move(treelets), *links_.leaf_prefetches_out);
+    prefetcher_.emplace(config, tree_, std::move(treelets), links_.leaf_prefetches_out);
     fetch_.count_prefetches();
   }
   stats_.has_prefetcher = features_.prefetcher;
