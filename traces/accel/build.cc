@@ -93,10 +93,10 @@ MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials,
   return image;
 }
 
-}  // namespace
-
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
-                               MipMaps mip_maps, Roughness roughness) {
+/// Builds a memory image. `earlier`: an image of the same scene in another pose, whose mip levels are moved; may be
+/// null.
+MemoryImage build_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop, MipMaps mip_maps,
+                        Roughness roughness, MemoryImage* earlier) {
   const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
   MaterialTables materials = material_tables(scene, has_mip_maps, roughness);
   const bool levels = config.instances == InstanceLevels::kTwoLevel;
@@ -108,7 +108,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
     image.white = static_cast<std::uint32_t>(image.textures.size());
     image.textures.push_back({.name = "white", .width = 1, .height = 1, .texels = {0xffffffffU}});
   }
-  if (has_mip_maps) add_mip_levels(materials, image);
+  if (has_mip_maps) add_mip_levels(materials, image, earlier);
   image.materials = std::move(materials.records);
   image.details = std::move(materials.details);
   image.lights = scene.lights;
@@ -116,6 +116,13 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.ambient = scene.ambient;
   image.layout = layout_of(counts_of(image), image, config);
   return image;
+}
+
+}  // namespace
+
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
+                               MipMaps mip_maps, Roughness roughness) {
+  return build_image(scene, config, threads, stop, mip_maps, roughness, nullptr);
 }
 
 MemoryImage reformat_tree(const MemoryImage& binary, const BvhConfig& config) {
@@ -205,7 +212,7 @@ void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned t
   }
   const MipMaps mip_maps = image.has_mip_maps() ? MipMaps::kOn : MipMaps::kOff;
   const Roughness roughness = image.has_roughness ? Roughness::kOn : Roughness::kOff;
-  image = build_memory_image(posed, config, threads, stop, mip_maps, roughness);
+  image = build_image(posed, config, threads, stop, mip_maps, roughness, &image);
 }
 
 }  // namespace traces

@@ -263,14 +263,15 @@ std::vector<Texture> mip_chain(const Texture& texture) {
   return chain;
 }
 
-void add_mip_levels(MaterialTables& materials, MemoryImage& image) {
-  std::vector<std::uint32_t> first;
+namespace {
+
+/// Replaces each texture of an image by its mip levels.
+void compute_mip_levels(MemoryImage& image) {
   std::vector<Texture> levels;
   for (const Texture& texture : image.textures) {
-    first.push_back(static_cast<std::uint32_t>(levels.size()));
     std::vector<Texture> chain = mip_chain(texture);
     image.mip_levels.resize(levels.size() + chain.size(), 0);
-    image.mip_levels[first.back()] = static_cast<std::uint32_t>(chain.size());
+    image.mip_levels[levels.size()] = static_cast<std::uint32_t>(chain.size());
     std::ranges::move(chain, std::back_inserter(levels));
   }
   if (levels.size() > kMostMipLevels) {
@@ -278,6 +279,25 @@ void add_mip_levels(MaterialTables& materials, MemoryImage& image) {
                           std::to_string(kMostMipLevels) + " are allowed with render.mip_maps: on");
   }
   image.textures = std::move(levels);
+}
+
+/// Returns the number of the first level of each texture.
+std::vector<std::uint32_t> first_levels(const MemoryImage& image) {
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t at = 0; at < image.mip_levels.size(); at += image.mip_levels[at]) first.push_back(at);
+  return first;
+}
+
+}  // namespace
+
+void add_mip_levels(MaterialTables& materials, MemoryImage& image, MemoryImage* earlier) {
+  if (earlier != nullptr && first_levels(*earlier).size() == image.textures.size()) {
+    image.textures = std::move(earlier->textures);
+    image.mip_levels = std::move(earlier->mip_levels);
+  } else {
+    compute_mip_levels(image);
+  }
+  const std::vector<std::uint32_t> first = first_levels(image);
   const auto rename = [&](std::uint32_t& texture) {
     if (texture != kNoTexture) texture = first[texture];
   };

@@ -28,8 +28,9 @@ std::uint32_t triangle_flags(const MaterialRecord& material);
 /// gives the same texels.
 std::vector<Texture> mip_chain(const Texture& texture);
 
-/// Replaces each texture of the image by its mip levels, and makes material records name the first levels. Throws
-/// InputError if there are more levels than a texture number can express.
-void add_mip_levels(MaterialTables& materials, MemoryImage& image);
+/// Replaces each texture of the image by its mip levels, and makes material records name the first levels. `earlier`:
+/// an image of the same scene, from which the levels are moved; null: they are computed. Throws InputError if there are
+/// more levels than a texture number can express.
+void add_mip_levels(MaterialTables& materials, MemoryImage& image, MemoryImage* earlier = nullptr);
 
 }  // namespace traces

@@ -162,7 +162,10 @@ TEST(MipMaps, StayWhenTheSceneMoves) {
       update_memory_image(scene, config, 1, image);
       const MemoryImage fresh = with_mips(scene, config);
       EXPECT_EQ(image.mip_levels, fresh.mip_levels);
-      EXPECT_EQ(image.textures.size(), fresh.textures.size());
+      ASSERT_EQ(image.textures.size(), fresh.textures.size());
+      for (std::size_t i = 0; i < fresh.textures.size(); ++i) {
+        EXPECT_EQ(image.textures[i].texels, fresh.textures[i].texels);
+      }
       EXPECT_EQ(image.attributes[0].normal[0], fresh.attributes[0].normal[0]);
       EXPECT_EQ(image.details[0].normal_texture, fresh.details[0].normal_texture);
     }
