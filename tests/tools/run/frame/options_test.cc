@@ -32,7 +32,7 @@ TEST(Resolution, OverridesTheConfigurationAndItsSets) {
   EXPECT_EQ(config.render.height, 24U);
 }
 
-TEST(Workload, MobileM3IsTheInputOfAnUpscalerToTheSizeOfMobileM4) {
+TEST(MobileWorkload, M3IsTheInputOfAnUpscalerToTheSizeOfM4) {
   tools::JobOptions options;
   options.scene = "mobile-m3";
   const tools::RunConfig small = tools::load_run_config(options);
