@@ -107,6 +107,9 @@ class Ist {
   std::uint64_t retired_items() const { return stats_.tests + stats_.leaves_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
+  bool idle() const {
+    return occupied_ == 0 && !fetch_.waits_for_memory() && (!prefetcher_ || prefetcher_->is_empty());
+  }
   std::string state() const;
   bool warm_line(Addr line) { return fetch_.warm_line(line); }
   const CacheTags& l1_tags() const { return fetch_.l1_tags(); }

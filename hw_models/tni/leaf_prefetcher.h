@@ -35,6 +35,8 @@ class LeafPrefetcher {
     if (next_line_ == lines_.size()) return std::max(next, leaves_in_.pop_at());
     return fetch.can_prefetch() ? next : sim::kNever;
   }
+  /// True if no line is left to be probed, and no leaf is on its way.
+  bool is_empty() const { return next_line_ == lines_.size() && leaves_in_.nonempty_mask() == 0; }
   const Stats& stats() const { return stats_; }
 
  private:

@@ -77,7 +77,8 @@ class TniHarness {
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return arrived_.size() == to_send_.size() &&
-           std::ranges::all_of(tni_.trvs(), [](const Trv* trv) { return trv->idle(); });
+           std::ranges::all_of(tni_.trvs(), [](const Trv* trv) { return trv->idle(); }) &&
+           std::ranges::all_of(tni_.ists(), [](const Ist* ist) { return ist->idle(); });
   }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
