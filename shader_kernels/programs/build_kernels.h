@@ -18,8 +18,8 @@ namespace kernels {
 //    digits. A pass that scatters exchanges its 256 counts with the batches before it through memory. It sorts a batch
 //    in the tile buffer, and writes each digit's run of keys to its place.
 // 2. The hierarchy has one node per triangle less one; encode_node writes the nodes that the scene's tree has.
-// 3. For wide trees, collapse_node opens the largest child until a node is full, as often as the scene's tree has
-//    children.
+// 3. For wide trees, each item of collapse_node opens the largest child of a wide node. A node of c children takes
+//    c - 1 items.
 // 4. A tree over instances reads a matrix and the mesh's box of each. pose_instance writes its leaves.
 // 5. A refit writes leaf records and boxes of leaves, then nodes, bottom up.
 

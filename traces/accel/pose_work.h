@@ -12,7 +12,7 @@ struct PoseWork {
   std::uint64_t joints = 0;          ///< joints of all skins of these vertices
   std::uint64_t rigid_vertices = 0;  ///< vertices that matrices of nodes move to the world
   std::uint64_t rigid_instances = 0;
-  std::uint64_t moved_instances = 0;  ///< instances of which only the matrix changes
+  std::uint64_t moved_instances = 0;  ///< instances whose matrix changes, and not their vertices
   friend bool operator==(const PoseWork&, const PoseWork&) = default;
 };
 
