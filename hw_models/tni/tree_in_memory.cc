@@ -98,8 +98,8 @@ std::uint64_t tree_table_bytes(const traces::MemoryImage& image, const TrvConfig
   const std::uint64_t parents =
       TreeInMemory::parent_table_bytes(image.node_count(), has_parents_in_nodes(image), config.stack);
   if (config.prefetch != Prefetch::kTreelet) return parents;
-  // An entry, a link and an end of list for each node, and a link for each leaf, of which there are at most as many as
-  // triangles; a line is lost to alignment.
+  // An entry, a link and an end of list for each node, and a link for each leaf (there are at most as many leaves as
+  // triangles). Alignment loses a line.
   const std::uint64_t words = 3 * std::uint64_t{image.node_count()} + image.triangles.size();
   return parents + words * sizeof(std::uint32_t) + kLineBytes;
 }

@@ -184,9 +184,9 @@ void DenoisedProgram::split_grid(TileGraph& graph, const LatticeUniforms<float>&
 }
 
 template <bool kHalf>
-void DenoisedProgram::write_block(TileGraph& graph, Node split, std::uint32_t pixels, TileResult& out) const {
-  graph.wait_for_colour_writers(split);
-  graph.wait_for_record_writers(split);
+void DenoisedProgram::write_block(TileGraph& graph, Node light_split, std::uint32_t pixels, TileResult& out) const {
+  graph.wait_for_colour_writers(light_split);
+  graph.wait_for_record_writers(light_split);
   std::byte* to = reinterpret_cast<std::byte*>(memory_->data()) + block_address(out.tile);
   const auto append = [&](const auto& array, std::uint32_t record_bytes) {
     std::memcpy(to, array.data(), std::size_t{pixels} * record_bytes);
@@ -198,7 +198,7 @@ void DenoisedProgram::write_block(TileGraph& graph, Node split, std::uint32_t pi
   append(records.motions, bytes_.motion);
   append(records.albedos, bytes_.albedo);
   graph.wait_for_all(graph.add_transfer(Region::kSamples, true, block_address(out.tile), pixels * bytes_.block()),
-                     split);
+                     light_split);
 }
 
 // Later passes.

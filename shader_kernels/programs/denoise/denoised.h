@@ -82,9 +82,9 @@ class DenoisedProgram final : public FrameProgram, private PixelSink {
   void split_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel, TileResult& out) const;
   template <bool kHalf>
   void split_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const;
-  /// Writes the block of a tile, after the launch `split`.
+  /// Writes the block of a tile, after the launch `light_split`.
   template <bool kHalf>
-  void write_block(TileGraph& graph, Node split, std::uint32_t pixels, TileResult& out) const;
+  void write_block(TileGraph& graph, Node light_split, std::uint32_t pixels, TileResult& out) const;
 
   // Later passes.
   bool is_half() const { return denoise_.history == HistoryPrecision::kHalf; }
