@@ -17,7 +17,7 @@ namespace {
 
 /// Largest number of trees that are built to count a sequence. Chosen: updating the tree of 600,000 triangles takes as
 /// long as simulating a frame of 128x64, and counts need not be exact.
-constexpr std::uint32_t kCountedTrees = 4;
+constexpr std::uint32_t kCountedTrees = 8;
 
 /// Triangles and instances of the trees that the machine builds and refits for a frame.
 struct TreeItems {

@@ -22,9 +22,9 @@ constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
 /// Possible sides of the squares of samples in which estimate_costs() traces one sample. The estimate needs less
 /// precision than the pilot render.
 constexpr std::array kEstimateSides = {8U, 4U, 5U, 3U, 2U, 1U};
-/// Least number of samples of a picture that only counts work. Chosen: errors of totals are those of 2048 samples; 512
-/// make them a third larger.
-constexpr double kCountedSamples = 1024;
+/// Least number of samples of a picture that only counts work. Chosen: 512 samples make errors of totals a third
+/// larger.
+constexpr double kCountedSamples = 2048;
 /// Host time of a reflected or refracted ray in addition to its traversal, divided by the host time of a traversal step
 /// (docs/slices.md).
 constexpr std::uint64_t kStepsOfARay = 15;
