@@ -29,9 +29,9 @@ std::map<std::string, double> coherence_metrics(const std::string& setting) {
 
 TEST(IncoherentRays, StackPrefetchIsAccurateButCoversLessThanPublished) {  // K1
   const auto stack = coherence_metrics("stack prefetch, path rays");
-  expect_between("accuracy, published 0.989", stack.at("prefetch_accuracy"), 0.95, 1);
-  expect_between("coverage, published 0.315", stack.at("prefetch_coverage"), 0.03, 0.25);
-  expect_between("speed-up, published 1.48", stack.at("speedup"), 1, 1.2);
+  expect_between("accuracy, published 0.989", stack.at("prefetch_accuracy"), 0.9, 0.95);
+  expect_between("coverage, published 0.315", stack.at("prefetch_coverage"), 0.08, 0.2);
+  expect_between("speed-up, published 1.48", stack.at("speedup"), 1.03, 1.15);
   EXPECT_LT(stack.at("speedup"), coherence_metrics("ideal L1, path rays").at("speedup"));
 }
 

@@ -149,6 +149,10 @@ std::uint64_t Outcome::rays() const {
   return std::accumulate(std::begin(function.rays), std::end(function.rays), std::uint64_t{0});
 }
 
+bool Outcome::has_unit(std::string_view path) const {
+  return std::ranges::find(units, path, &sim::UnitReport::path) != units.end();
+}
+
 std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::string_view counter) const {
   std::uint64_t total = 0;
   bool found = false;

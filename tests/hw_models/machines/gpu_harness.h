@@ -97,6 +97,7 @@ struct Outcome {
   std::uint64_t cycles = 0;
 
   std::uint64_t rays() const;
+  bool has_unit(std::string_view path) const;
   /// Returns a counter summed over the units whose path begins with `at` and ends with `kind` and digits, e.g. "core1"
   /// and "trv".
   std::uint64_t sum(std::string_view at, std::string_view kind, std::string_view counter) const;
