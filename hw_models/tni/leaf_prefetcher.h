@@ -25,7 +25,7 @@ class LeafPrefetcher {
     std::uint64_t probes = 0, requests = 0;
   };
 
-  /// `leaves_in`: link from each traversal unit of the intersection unit.
+  /// `leaves_in`: one link from each traversal unit, which carries leaves to prefetch.
   LeafPrefetcher(const TrianglesInMemory& triangles, std::vector<sim::Link<LeafPrefetch>*> leaves_in);
 
   /// Probes the L1 for the next line. Returns false if there is none, or no MSHR to spare.

@@ -118,7 +118,7 @@ class TraversalSlot {
     consume_entry();
     return true;
   }
-  /// Continues at the root if the ray has left the subtree of its predicted node. Returns whether it has.
+  /// Continues at the root if traversal of the predicted subtree has ended. Returns true if it had ended.
   bool continue_at_root() {
     if (has_entries()) return false;
     must_pop_ = false;

@@ -34,7 +34,7 @@ class Treelets {
 
   /// Returns the number of the treelet whose root is `node`; kNone if the node is no root.
   std::uint32_t treelet_with_root(std::uint32_t node) const { return of_root_[node]; }
-  /// Returns the links to the nodes and leaves of a treelet, except its root, breadth first.
+  /// Returns links to all nodes and leaves of a treelet except its root, breadth first.
   std::span<const std::uint32_t> links_below_root(std::uint32_t treelet) const {
     return std::span(links_).subspan(begin_[treelet], begin_[treelet + 1] - begin_[treelet]);
   }
@@ -43,7 +43,7 @@ class Treelets {
 
   /// Returns the line of the map that has a node's entry.
   Addr line_of_entry(std::uint32_t node) const { return line_of(map_ + Addr{node} * kWordBytes); }
-  /// Returns the first and the last line of a treelet's list.
+  /// Cache lines of a treelet's list.
   Addr first_line_of_list(std::uint32_t treelet) const { return line_of(list_at(treelet)); }
   Addr last_line_of_list(std::uint32_t treelet) const { return line_of(list_at(treelet + 1) - kWordBytes); }
   std::uint64_t map_bytes() const { return list_at(count()) - map_; }

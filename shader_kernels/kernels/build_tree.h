@@ -149,7 +149,7 @@ struct RunningBox {
   }
 };
 
-/// Computes the bounds of the centres of a batch's boxes, doubled.
+/// Computes the bounds of the doubled centres of a batch's boxes. A doubled centre is lower plus upper corner.
 struct BoundCentres {
   static constexpr std::string_view kName = "bound_centres";
   static constexpr std::string_view kMeaning = "box -> bounds of the centres up to this item";

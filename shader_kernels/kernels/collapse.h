@@ -113,7 +113,7 @@ struct NodeGrid {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.origin, r.scale, r.last)); }
 };
 
-/// Quantised planes of a child: for each axis the lower number in the low half of a word, the upper in the high half.
+/// Quantised planes of a child: for each axis the lower plane in the low half of a word, the upper in the high half.
 template <class V>
 struct QuantisedChild {
   I<V> x, y, z;

@@ -35,7 +35,7 @@ struct MatrixRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.x, r.y, r.z, r.origin)); }
 };
 
-/// An instance as the application updates it: matrix to the world, root node and object id, 56 bytes.
+/// Record that the application writes to update an instance: matrix to the world, root node and object id, 56 bytes.
 template <class V>
 struct PosedInstanceRecord {
   Vec3<V> x, y, z, origin;

@@ -14,14 +14,15 @@ namespace kernels {
 //   leaf, bounds --> code --> histogram --> scan --> scatter x digits --> link --> fit --> collapse --> encode
 //   refit_leaves --> refit_nodes
 //
-// 1. Keys are Morton codes on a cubic grid over all centres, sorted by digits of eight bits. One pass counts all
-//    digits. A pass that scatters exchanges its 256 counts with the batches before it through memory. It sorts a batch
-//    in the tile buffer, and writes each digit's run of keys to its place.
-// 2. The hierarchy has one node per triangle less one; encode_node writes the nodes that the scene's tree has.
-// 3. For wide trees, each item of collapse_node opens the largest child of a wide node. A node of c children takes
-//    c - 1 items.
-// 4. A tree over instances reads a matrix and the mesh's box of each. pose_instance writes its leaves.
-// 5. A refit writes leaf records and boxes of leaves, then nodes, bottom up.
+// 1. Sort keys are Morton codes on a cubic grid over the centres of all triangles. A radix sort takes digits of eight
+//    bits. One pass counts the values of all digits. Each scatter pass sorts a batch in the tile buffer, then writes
+//    each digit's run of keys to its place. Batches pass their 256 counts on through memory to find that place.
+// 2. The binary tree of n triangles has n - 1 nodes. encode_node writes those that the scene's tree has.
+// 3. For wide trees, each item of collapse_node replaces the largest child of a wide node by that child's two children.
+//    A wide node of c children takes c - 1 items.
+// 4. For a tree over instances, kernels read each instance's matrix and its mesh's box. pose_instance writes the
+// leaves.
+// 5. A refit first writes leaf records and boxes of leaves. Then it updates the nodes, bottom up.
 
 /// Adds the passes that build or refit the trees of a frame. `image` must have binary nodes of float pairs or wide
 /// nodes, and leaf records of one triangle with its labels.
@@ -46,7 +47,7 @@ struct KernelBuildResult {
 /// and leaf records from their boxes. Nodes have the links of the image, which has one level.
 KernelBuildResult run_build_kernels(const traces::MemoryImage& image, std::uint32_t morton_bits);
 
-/// Runs the kernels of a refit on the host, on the image's triangles and the links of its nodes.
+/// Runs the refit kernels on the host. They use the triangles and node links of the memory image.
 KernelBuildResult run_refit_kernels(const traces::MemoryImage& image);
 
 }  // namespace kernels

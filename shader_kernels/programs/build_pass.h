@@ -11,7 +11,9 @@ namespace kernels {
 /// program pose its geometry by kernels, then build and refit trees: by kernels, or an entry per tree for the tree
 /// builder.
 ///
-///   vertices --> posed vertices --> nodes, leaves --> all later passes: the program's own
+/// Each arrow is a group of passes, which reads what is on its left and writes what is on its right:
+///
+///   vertices --> posed vertices --> nodes and leaves --> picture (the wrapped program's passes)
 class BuildPass final : public LeadingPass {
  public:
   /// `image` and `builds` must outlive the program.

@@ -7,12 +7,13 @@
 
 namespace kernels {
 
-/// Base of programs that run passes of their own before the entries (mostly tiles) of a wrapped program.
+/// Base of programs that wrap another program and run passes of their own before it. An entry is a unit of work that
+/// the machine launches, mostly a tile.
 ///
 ///   leading entries --> the wrapped program's passes
 ///
-/// Leading entries render no pixels. They are numbered as tiles after those of the wrapped program, whose picture,
-/// samples and history are those of this program.
+/// Leading entries render no pixels. They run first, but have the tile numbers after those of the wrapped program.
+/// Picture, samples and history are those of the wrapped program.
 class LeadingPass : public FrameProgram {
  public:
   LeadingPass(std::unique_ptr<FrameProgram> program, std::uint32_t frame)

@@ -683,7 +683,7 @@ Json part_members(const ReportInput& report) {
   return members;
 }
 
-/// The members of report.json in their order. Each function returns some of them.
+/// Functions that make report.json, in the order of its members. Each returns some of them.
 constexpr std::array kReport = {input_members, totals_member, part_members, host_member};
 
 }  // namespace

@@ -16,12 +16,12 @@ struct PoseWork {
   friend bool operator==(const PoseWork&, const PoseWork&) = default;
 };
 
-/// Returns the geometry of a scene that moves in frames whose geometry moves.
+/// Returns how much of a scene's geometry kernels pose in a frame in which any geometry moves.
 ///
-/// 1. A mesh with a skin moves, whatever its skin does in the frame.
-/// 2. An instance moves if a track moves its node or a parent of the node. With one level its vertices are moved to the
-///    world; with two levels only the instance moves.
-/// 3. Morph targets are not counted, nor are normals.
+/// 1. A mesh with a skin counts in each of these frames, even if its pose does not change.
+/// 2. An instance moves if an animation track moves its node or a parent of the node. With one level its vertices are
+///    transformed to the world; with two levels only its matrix changes.
+/// 3. Morph targets and normals are not counted.
 PoseWork pose_work(const Scene& scene, InstanceLevels levels);
 
 }  // namespace traces

@@ -82,7 +82,7 @@ class DenoisedProgram final : public FrameProgram, private PixelSink {
   void split_tile(TileGraph& graph, std::uint32_t samples, std::uint32_t per_pixel, TileResult& out) const;
   template <bool kHalf>
   void split_grid(TileGraph& graph, const LatticeUniforms<float>& lattice, TileResult& out) const;
-  /// Writes the block of a tile, after the launch `light_split`.
+  /// Writes the tile's light, guides, motion and albedo to its block in memory, after the launch `light_split`.
   template <bool kHalf>
   void write_block(TileGraph& graph, Node light_split, std::uint32_t pixels, TileResult& out) const;
 

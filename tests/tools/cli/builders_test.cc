@@ -16,9 +16,9 @@ namespace {
 
 TEST(TreeBuilders, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
-  for (const Words& scene : std::vector<Words>{
-           {"--scene", "cornell"},
-           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
+  for (const Words& scene :
+       std::vector<Words>{{"--scene", "cornell"},
+                          {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
     std::string expected;
     for (const std::string builder : {"embree", "lbvh", "ploc"}) {
       SCOPED_TRACE(scene[1] + " " + builder);
@@ -189,9 +189,9 @@ std::filesystem::path made_by(const TempFolder& folder, Words words, const Words
 
 TEST(WideTrees, GiveTheSamePictureAndAgreeWithEmbree) {
   const TempFolder folder;
-  for (const Words& scene : std::vector<Words>{
-           {"--scene", "cornell"},
-           {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
+  for (const Words& scene :
+       std::vector<Words>{{"--scene", "cornell"},
+                          {"--scene", "forest", "--set", "bvh.instances=two_level", "--set", "scene.triangles=5000"}}) {
     Words verify = {"verify"};
     verify.insert(verify.end(), scene.begin(), scene.end());
     const std::string expected = read_bytes(made_by(folder, verify, {}) / "image.png");

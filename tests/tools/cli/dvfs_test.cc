@@ -74,7 +74,8 @@ TEST(Dvfs, AtARateFindsWhatABruteForceSearchFinds) {
   std::string factors = "0.3";
   for (int percent = 32; percent <= 120; percent += full_or(2, 4)) factors += fmt::format(",{}", percent / 100.0);
   const auto curve_of = [&](const char* fps, bool all) {
-    Words words = {"dvfs", "sgrt-balanced", "--resolution", full_or("128x64", "64x32"), "--json", "--threads", "2", "--fps", fps};
+    Words words = {
+        "dvfs", "sgrt-balanced", "--resolution", full_or("128x64", "64x32"), "--json", "--threads", "2", "--fps", fps};
     if (all) words.insert(words.end(), {"--factors", factors});
     return Json::parse(ending_well(words).out);
   };

@@ -170,7 +170,9 @@ TEST(Timelines, ShowThePassesOfTheTreeBuilder) {
     }
     EXPECT_EQ(passes, (std::vector<std::string>{"sort", "merge", "hierarchy", "invalidate"})) << asked;
     for (const DecodedSlice& slice : timeline.slices) {
-      EXPECT_TRUE(slice.category != "tile" || slice.begin >= end) << "tiles wait for the tree";
+      if (slice.category != "tile") continue;
+      // Passes that pose the geometry have the numbers after those of the picture's two tiles.
+      EXPECT_EQ(slice.begin >= end, slice.notes.at("tile") < 2U) << "tiles wait for the tree";
     }
   }
 }

@@ -26,7 +26,7 @@ struct SideSearch {
   std::string text;
 };
 
-/// Contents of a worth file (docs/worth.md).
+/// A worth file: a search, and the two variants of it that are compared (docs/worth.md).
 struct WorthFile {
   std::string feature;  ///< name of the feature, as it is written within a sentence
   std::string question;

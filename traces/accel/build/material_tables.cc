@@ -281,7 +281,7 @@ void compute_mip_levels(MemoryImage& image) {
   image.textures = std::move(levels);
 }
 
-/// Returns the number of the first level of each texture.
+/// Returns, for each texture, the index of its first mip level among the levels of all textures.
 std::vector<std::uint32_t> first_levels(const MemoryImage& image) {
   std::vector<std::uint32_t> first;
   for (std::uint32_t at = 0; at < image.mip_levels.size(); at += image.mip_levels[at]) first.push_back(at);
