@@ -312,12 +312,18 @@ class L1Cache {
     request_line(line, {0, cycle, true}, tile);
     return true;
   }
-  /// Reads a line for the owning unit itself, not for one of its slots. Returns whether it is cached; if not, it is
-  /// requested, and fill_line() brings it. Requires a free MSHR.
-  bool read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) {
-    if (ideal_ || tags_.probe(line)) return true;
-    if (find_miss(line) == nullptr) request_line(line, {0, cycle}, tile);
-    return false;
+  /// Result of a read for the owning unit itself.
+  struct UnitRead {
+    bool is_hit = false;
+    bool is_request = false;  ///< the line has been requested from memory, by this read
+  };
+  /// Reads a line for the owning unit itself, not for one of its slots. Without a hit, fill_line() brings the line.
+  /// Requires a free MSHR.
+  UnitRead read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) {
+    if (ideal_ || tags_.probe(line)) return {.is_hit = true};
+    if (find_miss(line) != nullptr) return {};
+    request_line(line, {0, cycle}, tile);
+    return {.is_request = true};
   }
   /// Makes the first-level cache count what becomes of prefetched lines, by a bit for each of its lines. The unit must
   /// then read all lines through access_line().

@@ -48,7 +48,7 @@ inline LineSet lines_of_access(const traces::Access& access, const traces::Layou
     case traces::Access::Kind::kInstance:
       lines.add_line_of(layout.instance_at(access.element));
       break;
-    case traces::Access::Kind::kStored:  // records are aligned to their size, so that each is in one line
+    case traces::Access::Kind::kStored:  // a record of several lines has an access per line
       lines.add_line_of(stored + Addr{access.element} * traces::kStoredWordBytes);
       break;
     case traces::Access::Kind::kTexels: {

@@ -173,8 +173,10 @@ class FetchStage {
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Prefetches a line into the L1 on behalf of a tile. Returns false if the line is cached or already requested.
   bool prefetch_line(Addr line, TileTag tile, std::uint64_t cycle) { return l1_.prefetch_line(line, tile, cycle); }
-  /// Reads a line for the unit itself. Returns whether it is cached; if not, fill_line() brings it.
-  bool read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) { return l1_.read_for_unit(line, tile, cycle); }
+  /// Reads a line for the unit itself. Without a hit, fill_line() brings the line.
+  L1Cache::UnitRead read_for_unit(Addr line, TileTag tile, std::uint64_t cycle) {
+    return l1_.read_for_unit(line, tile, cycle);
+  }
   /// Makes the L1 count what becomes of prefetched lines. try_first_probe_hit() must not be used then.
   void count_prefetches() { l1_.count_prefetches(); }
   const L1Cache::PrefetchCounts& prefetch_counts() const { return l1_.prefetch_counts(); }

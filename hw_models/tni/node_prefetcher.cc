@@ -86,8 +86,10 @@ bool NodePrefetcher::advance_map_read(MapRead& read) {
 
 void NodePrefetcher::read_map(FetchStage& fetch, std::uint64_t cycle) {
   const auto read = std::ranges::find_if(map_reads_, [](const MapRead& waiting) { return !waiting.is_missing; });
-  if (!fetch.read_for_unit(read->line, fetch.slot_tile(read->slot), cycle)) {
+  const L1Cache::UnitRead found = fetch.read_for_unit(read->line, fetch.slot_tile(read->slot), cycle);
+  if (!found.is_hit) {
     stats_.map_misses += 1;
+    stats_.map_fills += found.is_request ? 1 : 0;
     read->is_missing = true;
   } else if (!advance_map_read(*read)) {
     map_reads_.erase(read);

@@ -17,9 +17,8 @@ namespace hw {
 
 /// Prefetches lines of nodes into the L1 of a traversal unit, and has the intersection unit prefetch those of leaves.
 ///
-///   pop that follows a pop --> the next K stack entries ----------------------+--> nodes:  queue --> one probe per
-///   cycle miss of a treelet's root --> [map of treelets] --> the rest of the treelet +--> leaves: queue -->
-///   intersection unit
+///   pop that follows a pop --> the next K stack entries --------------+--> nodes --> [queue] --> L1, one per cycle
+///   miss of a treelet's root --> [map] --> the rest of the treelet ---+--> leaves --> [queue] --> intersection unit
 ///
 /// 1. prefetch: stack. A pop follows a pop if the ray has pushed no entry in between, so the ray climbs. A leaf that a
 /// visit enters directly counts as popped, because units that push all children would pop it. The next K entries are
@@ -39,6 +38,7 @@ class NodePrefetcher {
   struct Stats {
     std::uint64_t stack_reads = 0, probes = 0, requests = 0, dropped = 0, leaves = 0;
     std::uint64_t map_reads = 0, map_misses = 0;  ///< lines of the map read; those of them whose probe missed
+    std::uint64_t map_fills = 0;                  ///< lines of the map requested from memory
   };
 
   /// `treelets`: treelets of the scene, with prefetch: treelet; otherwise null. `leaves_out`: to the intersection unit;

@@ -82,6 +82,7 @@ Trv::Stats Trv::stats() const {
     all.prefetched_leaves = prefetcher_->stats().leaves;
     all.map_reads = prefetcher_->stats().map_reads;
     all.map_misses = prefetcher_->stats().map_misses;
+    all.map_fills = prefetcher_->stats().map_fills;
     all.prefetches_useful = fetch_.prefetch_counts().useful;
     all.prefetches_late = fetch_.prefetch_counts().late;
     all.prefetches_useless = fetch_.prefetch_counts().useless;

@@ -123,7 +123,7 @@ class Trv {
     std::uint64_t full = 0, full_visits = 0;
     bool has_prefetcher = true, gathers = true;  ///< counters of the prefetcher and of groups are reported
     std::uint64_t prefetch_stack_reads = 0, prefetches_dropped = 0, prefetched_leaves = 0;
-    std::uint64_t map_reads = 0, map_misses = 0;
+    std::uint64_t map_reads = 0, map_misses = 0, map_fills = 0;
     std::uint64_t prefetches_useful = 0, prefetches_late = 0, prefetches_useless = 0;
     std::uint64_t groups = 0, full_groups = 0, gathered = 0, gather_compares = 0;
     static void describe(auto& s, auto&& counter) {
@@ -160,9 +160,11 @@ class Trv {
         counter(NAMED(s.prefetches_late), "prefetched lines needed before they arrived");
         counter(NAMED(s.prefetches_useless), "prefetched lines evicted before they were needed");
         counter(NAMED(s.prefetches_dropped), "lines, leaves and treelets not prefetched because a queue was full");
-        counter(NAMED(s.prefetched_leaves), "leaves sent to the intersection unit for prefetching");
+        counter(NAMED(s.prefetched_leaves), "leaves sent to the intersection unit for prefetching",
+                "tni.ray_buffer_write");
         counter(NAMED(s.map_reads), "lines of the map of treelets read", "cache.l1_read");
         counter(NAMED(s.map_misses), "of these, lines that were not in the L1", "cache.l1_probe");
+        counter(NAMED(s.map_fills), "lines of the map requested from memory");
       }
       if (s.gathers) {
         counter(NAMED(s.groups), "groups of rays served by one read of a line");

@@ -17,12 +17,14 @@ struct CornersRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.v0, r.v1, r.v2)); }
 };
 
-/// A triangle while its tree is built: corners, number and material, 44 bytes. Its box is in an array of its own.
+/// A triangle while its tree is built: corners, number, material and object, 48 bytes. Its box is in another array.
 template <class V>
 struct BuildLeafRecord {
   Vec3<V> v0, v1, v2;
-  I<V> number, material;
-  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.v0, r.v1, r.v2, r.number, r.material)); }
+  I<V> number, material, object;
+  static void fields(auto& r, auto&& field) {
+    name_all(field, NAMED_ALL(r.v0, r.v1, r.v2, r.number, r.material, r.object));
+  }
 };
 
 /// The cubic grid of Morton codes: its lower corner, doubled, and half its cells per unit length, 16 bytes. The grid
@@ -32,6 +34,13 @@ struct GridRecord {
   Vec3<V> lower;
   F<V> scale;
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.lower, r.scale)); }
+};
+
+/// What a hit needs of a triangle besides its corners: material and object.
+template <class V>
+struct LabelRecord {
+  I<V> material, object;
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.material, r.object)); }
 };
 
 /// A Morton code and the number of its triangle.
@@ -117,19 +126,20 @@ struct BuildLeaf {
   template <class V>
   struct Ports {
     Local<V, CornersRecord> corners;
-    Local<V, KeyRecord> inputs;  ///< material and number of each triangle
+    Local<V, LabelRecord> labels;
     Local<V, BoxRecord> boxes;
     Local<V, BuildLeafRecord> leaves;
+    I<V> first_number;  ///< number of the batch's first triangle
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port, NAMED_ALL(p.corners, p.inputs, p.boxes, p.leaves));
+      name_all(port, NAMED_ALL(p.corners, p.labels, p.boxes, p.leaves, p.first_number));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
     const CornersRecord<V> t = io.corners.load(item);
-    const KeyRecord<V> input = io.inputs.load(item);
+    const LabelRecord<V> label = io.labels.load(item);
     io.boxes.store(item, {min_of<V>(min_of<V>(t.v0, t.v1), t.v2), max_of<V>(max_of<V>(t.v0, t.v1), t.v2)});
-    io.leaves.store(item, {t.v0, t.v1, t.v2, input.number, input.key});
+    io.leaves.store(item, {t.v0, t.v1, t.v2, io.first_number + item, label.material, label.object});
   }
 };
 
@@ -378,18 +388,16 @@ struct EncodeLeaf {
   struct Ports {
     Local<V, KeyRecord> sorted;
     Stored<V, BuildLeafRecord> stored;
-    Local<V, CountRecord> objects;
     Local<V, LeafFields> encoded_leaves;
     static constexpr void describe(auto& p, auto&& port) {
-      name_all(port, NAMED_ALL(p.sorted, p.stored, p.objects, p.encoded_leaves));
+      name_all(port, NAMED_ALL(p.sorted, p.stored, p.encoded_leaves));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& io) {
     const I<V> number = io.sorted.load(item).number;
     const BuildLeafRecord<V> t = io.stored.load(number);
-    const I<V> object = io.objects.load(number).number;
-    io.encoded_leaves.store(item, {t.v0, t.v1, t.v2, object, t.material, t.number});
+    io.encoded_leaves.store(item, {t.v0, t.v1, t.v2, t.object, t.material, t.number});
   }
 };
 

@@ -25,9 +25,10 @@ constexpr std::uint32_t kDigitBits = 8, kDigitValues = 1U << kDigitBits;
 constexpr std::uint64_t kCountsBytes = kDigitValues * sizeof(CountRecord<float>);
 constexpr std::uint64_t kKeyBytes = sizeof(KeyRecord<float>), kLeafRecordBytes = sizeof(BuildLeafRecord<float>);
 constexpr std::uint64_t kTriangleBytes = sizeof(CornersRecord<float>) + 12;  // and three vertex numbers
+constexpr std::uint64_t kLabelBytes = sizeof(LabelRecord<float>);
 constexpr std::uint64_t kNodeBytes = sizeof(BuildNodeRecord<float>), kBoxBytes = sizeof(BoxRecord<float>);
 constexpr std::uint64_t kGridBytes = sizeof(GridRecord<float>), kInstanceBytes = sizeof(PosedInstanceRecord<float>);
-static_assert(kLeafRecordBytes == 44 && kNodeBytes == 40 && sizeof(NodeFields<float>) == sizeof(traces::NodeRecord) &&
+static_assert(kLeafRecordBytes == 48 && kNodeBytes == 40 && sizeof(NodeFields<float>) == sizeof(traces::NodeRecord) &&
               sizeof(LeafFields<float>) == sizeof(traces::TriangleRecord) &&
               sizeof(EncodedInstance<float>) == sizeof(traces::InstanceRecord));
 
@@ -255,7 +256,7 @@ class TreePasses {
   /// Adds the passes that compute boxes, and the grid of Morton codes, whose place is returned.
   std::uint64_t add_leaf_pass(std::uint64_t boxes) {
     const traces::KernelId leaf = has_instances() ? kKernelId<BoundInstance> : kKernelId<BuildLeaf>;
-    const std::uint64_t input_bytes = has_instances() ? kInstanceBytes : kTriangleBytes;
+    const std::uint64_t input_bytes = has_instances() ? kInstanceBytes : kTriangleBytes + kLabelBytes;
     input_ = passes_.reserve(n_ * input_bytes);
     std::vector<PassStream> streams = {read_stream(input_, n_ * input_bytes), write_stream(boxes, n_ * kBoxBytes)};
     if (has_instances()) {
@@ -506,20 +507,19 @@ void copy_keys(const Keys& from, std::vector<KernelBuildResult::Key>& to) {
 KernelBuildResult run_build_kernels(const traces::MemoryImage& image, std::uint32_t morton_bits) {
   const std::size_t n = image.triangles.size();
   std::vector<CornersRecord<float>> corners(n);
-  Keys inputs(n);
-  std::vector<CountRecord<float>> objects(n);
+  std::vector<LabelRecord<float>> labels(n);
   for (const traces::TriangleRecord& t : image.triangles) {
     corners[t.source] = {vector_of(t.v0), vector_of(t.v1), vector_of(t.v2)};
-    inputs[t.source] = {t.material, t.source};
-    objects[t.source] = {t.object};
+    labels[t.source] = {t.material, t.object};
   }
   Boxes boxes(n);
   std::vector<BuildLeafRecord<float>> leaves(n);
   BuildLeaf::Ports<float> leaf;
   leaf.corners.bind(corners.data());
-  leaf.inputs.bind(inputs.data());
+  leaf.labels.bind(labels.data());
   leaf.boxes.bind(boxes.data());
   leaf.leaves.bind(leaves.data());
+  leaf.first_number = 0;
   run_kernel<BuildLeaf>(leaf, n);
 
   KernelBuildResult result;
@@ -538,7 +538,6 @@ KernelBuildResult run_build_kernels(const traces::MemoryImage& image, std::uint3
   EncodeLeaf::Ports<float> encode;
   encode.sorted.bind(in_leaf_order.data());
   encode.stored.bind_raw(leaves.data(), nullptr);
-  encode.objects.bind(objects.data());
   encode.encoded_leaves.base = reinterpret_cast<std::byte*>(result.leaves.data());
   run_kernel<EncodeLeaf>(encode, n);
   return result;

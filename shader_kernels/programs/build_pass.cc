@@ -28,9 +28,7 @@ BuildPass::BuildPass(std::unique_ptr<FrameProgram> program, const traces::Memory
     : LeadingPass(std::move(program), frame),
       builds_(builds),
       passes_(kBatchSpace, build_offset(LeadingPass::requirements())) {
-  traces::PoseWork pose = builds.pose;
-  if (!has_unit()) pose.moved_instances = 0;  // the build of the tree over instances writes their records
-  add_pose_passes(pose, passes_);
+  add_pose_passes(builds.pose, passes_);
   if (!has_unit()) add_build_passes(image, builds, passes_);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 using Share = PassStream::Share;
 
-/// Returns the items of a batch among `items` of all batches.
+/// Returns how many of the `items` of a kernel come before item `item` of the pass.
 std::uint64_t items_before(const KernelPass& pass, std::uint64_t items, std::uint64_t item) {
   return items * item / pass.items;
 }

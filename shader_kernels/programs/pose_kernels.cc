@@ -19,10 +19,6 @@ void add_pose_passes(const traces::PoseWork& work, KernelPasses& passes) {
     passes.add(kPoseStage, "pose", {{kKernelId<PoseVertex>, n}}, n,
                {read(n * kPoint), read(work.rigid_instances * kMatrix), write(n * kPoint)});
   }
-  if (const std::uint64_t n = work.moved_instances; n > 0) {
-    passes.add(kPoseStage, "instances", {{kKernelId<PoseInstance>, n}}, n,
-               {read(n * sizeof(PosedInstanceRecord<float>)), write(n * sizeof(EncodedInstance<float>))});
-  }
 }
 
 }  // namespace kernels

@@ -117,7 +117,7 @@ std::vector<FrameCounts> count_frames(Inputs& inputs, const kernels::ProgramSpec
     counts.reflection = rays(traces::RayKind::kReflection);
     counts.refraction = rays(traces::RayKind::kRefraction);
     for (const auto member : FrameCounts::kAll) counts.*member *= thinning;
-    const TreeItems items = i == 0 ? of_first : moved ? *of_moved : TreeItems{};
+    const TreeItems items = i == 0 ? of_first : moved ? of_moved.value_or(TreeItems{}) : TreeItems{};
     counts.built = items.built;
     counts.refitted = items.refitted;
     frames.push_back(counts);

@@ -333,7 +333,7 @@ class SliceWriter {
       }
       case Slice::Kind::kBuild:
         to.begin_slice(time, track, names_of(hw::BuildPass{}).at(slice.what), "build", 0,
-                       {{"triangles", slice.amount}, {"runs", slice.runs}});
+                       {{"items", slice.amount}, {"runs", slice.runs}});
         break;
     }
   }

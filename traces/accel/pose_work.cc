@@ -30,11 +30,7 @@ PoseWork pose_work(const Scene& scene, InstanceLevels levels) {
     if (skin != kNone) {
       work.skinned_vertices += mesh.positions.size();
       work.joints += scene.skins[skin].joints.size();
-    } else if (instance.node == kNone || !moves[instance.node]) {
-      continue;
-    } else if (levels == InstanceLevels::kTwoLevel) {
-      work.moved_instances += 1;
-    } else {
+    } else if (levels != InstanceLevels::kTwoLevel && instance.node != kNone && moves[instance.node]) {
       work.rigid_vertices += mesh.positions.size();
       work.rigid_instances += 1;
     }

@@ -12,7 +12,6 @@ struct PoseWork {
   std::uint64_t joints = 0;          ///< joints of all skins of these vertices
   std::uint64_t rigid_vertices = 0;  ///< vertices that matrices of nodes move to the world
   std::uint64_t rigid_instances = 0;
-  std::uint64_t moved_instances = 0;  ///< instances whose matrix changes, and not their vertices
   friend bool operator==(const PoseWork&, const PoseWork&) = default;
 };
 
@@ -20,7 +19,7 @@ struct PoseWork {
 ///
 /// 1. A mesh with a skin counts in each of these frames, even if its pose does not change.
 /// 2. An instance moves if an animation track moves its node or a parent of the node. With one level its vertices are
-///    transformed to the world; with two levels only its matrix changes.
+///    transformed to the world; with two levels the build of the tree over instances reads its matrix.
 /// 3. Morph targets and normals are not counted.
 PoseWork pose_work(const Scene& scene, InstanceLevels levels);
 

@@ -36,8 +36,7 @@ Method method(const traces::BvhConfig& bvh = {}, const char* scene = "cornell") 
 
 std::uint64_t of_builder(const Outcome& run, const char* counter) { return run.sum("tree_builder", counter); }
 
-constexpr traces::PoseWork kPose{
-    .skinned_vertices = 3000, .joints = 20, .rigid_vertices = 2000, .rigid_instances = 3, .moved_instances = 40};
+constexpr traces::PoseWork kPose{.skinned_vertices = 3000, .joints = 20, .rigid_vertices = 2000, .rigid_instances = 3};
 
 traces::BvhConfig two_levels() {
   traces::BvhConfig bvh;

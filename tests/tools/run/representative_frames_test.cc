@@ -106,6 +106,19 @@ TEST(RepresentativeFrames, BuildTheFirstTreeAndRefitItInLaterFrames) {
   }
 }
 
+TEST(RepresentativeFrames, CountNoTreesThatTheHostBuilds) {
+  JobOptions options;
+  options.scene = "car";
+  options.resolution = "16x8";
+  options.frames = "0:15";
+  options.sets = {"scene.triangles=1000", "render.tile=8", "bvh.builder=lbvh"};
+  Inputs inputs = load_inputs(options);
+  for (const FrameCounts& frame : count_frames(inputs, kernels::parse_program("full:1"), 1, nullptr)) {
+    EXPECT_EQ(frame.built, 0);
+    EXPECT_EQ(frame.refitted, 0);
+  }
+}
+
 TEST(RepresentativeFrames, MayHaveSampledTiles) {
   JobOptions options = orbit_options("180", "0:5");
   options.resolution = "160x160";

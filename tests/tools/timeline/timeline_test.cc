@@ -165,7 +165,7 @@ TEST(Timelines, ShowThePassesOfTheTreeBuilder) {
       if (slice.category != "build") continue;
       passes.push_back(slice.name);
       EXPECT_EQ(timeline.path(slice), "shared/tree builder");
-      EXPECT_EQ(slice.notes.at("triangles"), inputs.builds.sizes.triangles);
+      EXPECT_EQ(slice.notes.at("items"), inputs.builds.sizes.triangles);
       end = slice.end;
     }
     EXPECT_EQ(passes, (std::vector<std::string>{"sort", "merge", "hierarchy", "invalidate"})) << asked;

@@ -504,7 +504,7 @@ constexpr std::array<Metric, 57> kMetrics = {{
      [](const Comparison& c) { return ratio_of(needed_prefetches(c.run), prefetches_of(c.run)); }},
     {"prefetch_coverage", "lines that rays needed and that were prefetched", Shown::kShare, true,
      [](const Comparison& c) {
-       const std::uint64_t map = trv_counter(c.run, &hw::Trv::Stats::map_misses);
+       const std::uint64_t map = trv_counter(c.run, &hw::Trv::Stats::map_fills);
        const std::uint64_t demanded = lines_filled(c.run) - prefetches_of(c.run) - map;
        const std::uint64_t needed = needed_prefetches(c.run);
        return ratio_of(needed, needed + demanded);
