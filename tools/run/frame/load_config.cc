@@ -252,12 +252,15 @@ void RunConfig::check(auto&& complain) const {
     complain("build.engine",
              "is srp, whose kernels sort keys of one word; allowed with it: bvh.morton_bits of 24 or 30");
   }
-  if (bvh.node_format() == traces::NodeFormat::kHybrid || bvh.boxes != traces::BoxRecords::kPair ||
-      bvh.leaf != traces::LeafFormat::kTriangles || bvh.triangle_bytes != sizeof(traces::TriangleRecord)) {
-    complain("build.engine",
-             "is srp, whose kernels write nodes of float or quantised boxes and leaves of a triangle; allowed with "
-             "other formats of bvh: host, unit");
-  }
+  const auto refuse_format = [&](const char* key) {
+    complain(key,
+             "is a format that the kernels of build.engine: srp do not write; allowed with it: build.engine of host "
+             "or unit");
+  };
+  if (bvh.node_format() == traces::NodeFormat::kHybrid) refuse_format("bvh.format");
+  if (bvh.boxes != traces::BoxRecords::kPair) refuse_format("bvh.boxes");
+  if (bvh.leaf != traces::LeafFormat::kTriangles) refuse_format("bvh.leaf");
+  if (bvh.triangle_bytes != sizeof(traces::TriangleRecord)) refuse_format("bvh.triangle_bytes");
 }
 
 RunConfig load_run_config(const JobOptions& options) {

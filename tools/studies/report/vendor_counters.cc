@@ -83,6 +83,9 @@ constexpr auto kMaliCounters = std::to_array<MaliCounter>({
     {kBoth, {"MaliRTUUtil", 321, "%", kUtilisation}},
 });
 
+// Prefetched lines and lines of the map of treelets are not missed by rays.
+constexpr const char* kDemandMisses = "trv.l1_fills - trv.prefetches - trv.map_fills? + ist.l1_fills - ist.prefetches?";
+
 // Names and numbers of Adreno's counters of the shader processor: the a7xx table derived from freedreno. The meanings
 // are inferred from the names.
 constexpr auto kAdrenoCounters = std::to_array<VendorCounter>({
@@ -91,9 +94,10 @@ constexpr auto kAdrenoCounters = std::to_array<VendorCounter>({
     {"SP_RBRT_KICKOFF_DQUADS", 124, "quads", kNoWarps},
     {"SP_RTU_BUSY_CYCLES", 125, "cycles", "trv.why.visiting + ist.why.testing"},
     {"SP_RTU_L0_HITS", 126, "requests", kHitsOfFirstProbes},
-    {"SP_RTU_L0_MISSES", 127, "requests", "trv.l1_fills - trv.prefetches + ist.l1_fills"},
+    {"SP_RTU_L0_MISSES", 127, "requests", kDemandMisses},
     {"SP_RTU_L0_HIT_ON_MISS", 128, "requests",
-     "max(0, trv.l1_late + ist.l1_late - (trv.l1_fills - trv.prefetches + ist.l1_fills))"},
+     "max(0, trv.l1_late + ist.l1_late - (trv.l1_fills - trv.prefetches - trv.map_fills? + ist.l1_fills - "
+     "ist.prefetches?))"},
     {"SP_RTU_STALL_CYCLES_WAVE_QUEUE", 129, "cycles", "trv.why.output_full"},
     {"SP_RTU_STALL_CYCLES_L0_HIT_QUEUE", 130, "cycles", kNoQueue},
     {"SP_RTU_STALL_CYCLES_L0_MISS_QUEUE", 131, "cycles", "trv.why.mshr_full + ist.why.mshr_full"},
@@ -122,7 +126,7 @@ std::string report_path(std::string_view name) {
   return fmt::format("units.{}.{}.{}{}", parent, unit, is_counter ? "counters." : "", rest);
 }
 
-/// Computes the value of a formula.
+/// Computes the value of a formula. `X?` is 0 in reports without the counter `X`.
 class Formula {
  public:
   Formula(std::string_view text, const ReportFile& report) : text_(text), report_(report) {}
@@ -182,8 +186,10 @@ class Formula {
     text_.remove_prefix(end);
     double number = 0;
     if (std::from_chars(word.data(), word.data() + word.size(), number).ec == std::errc()) return number;
-    const std::string path = report_path(word);
+    const bool may_lack = word.ends_with('?');
+    const std::string path = report_path(may_lack ? word.substr(0, word.size() - 1) : word);
     if (report_.has(path)) return report_.number(path);
+    if (may_lack) return 0;
     throw sim::InputError(fmt::format("{}: has no {}; allowed: reports of this version of the program",
                                       sim::printable(report_.file.string()), path));
   }
