@@ -257,7 +257,9 @@ void RunConfig::check(auto&& complain) const {
              "is a format that the kernels of build.engine: srp do not write; allowed with it: build.engine of host "
              "or unit");
   };
-  if (bvh.node_format() == traces::NodeFormat::kHybrid) refuse_format("bvh.format");
+  if (bvh.node_format() == traces::NodeFormat::kHybrid) {
+    refuse_format(bvh.format == traces::NodeFormat::kHybrid ? "bvh.format" : "bvh.numbers");
+  }
   if (bvh.boxes != traces::BoxRecords::kPair) refuse_format("bvh.boxes");
   if (bvh.leaf != traces::LeafFormat::kTriangles) refuse_format("bvh.leaf");
   if (bvh.triangle_bytes != sizeof(traces::TriangleRecord)) refuse_format("bvh.triangle_bytes");
