@@ -7,6 +7,8 @@ target_compile_options(raywatt_options INTERFACE
   -ffp-contract=off
   # Loaded modules replace no functions, so relocatable code may be inlined.
   -fno-semantic-interposition)
+# A fold over all kernels is deeper than clang allows by default.
+target_compile_options(raywatt_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-fbracket-depth=1024>)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(raywatt_options INTERFACE -march=x86-64-v3)
 endif()

@@ -107,8 +107,8 @@ void TraceReader::read_table_of_contents() {
   if (range.offset > size_ || range.bytes > size_ - range.offset) throw sim::InputError("footer is damaged");
   Json contents = sim::parse_json(read_block(range, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
-    Tree& read =
-        trees_.emplace_back(range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts")));
+    trees_.push_back({range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
+    Tree& read = trees_.back();
     if (tree.contains("slots")) {
       read.slots = static_cast<std::uint32_t>(number_at(tree, "slots", kMaxWidth));
       if (read.slots == 0 || read.slots % 2 != 0) throw sim::InputError("tree: number of slots; allowed: 2, 4, 6, 8");

@@ -221,7 +221,11 @@ const ObjectKinds& extension_kinds() {
 
 bool is_supported_extension(std::string_view name) { return extension_kinds().contains(name); }
 
-std::string supported_extensions() { return fmt::format("{}", fmt::join(extension_kinds() | std::views::keys, ", ")); }
+std::string supported_extensions() {
+  std::vector<std::string_view> names;
+  for (const auto& [name, properties] : extension_kinds()) names.push_back(name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
 
 namespace {
 

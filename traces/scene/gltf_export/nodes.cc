@@ -230,12 +230,12 @@ std::vector<std::uint32_t> roots_of(const Scene& scene) {
 /// Moves all root nodes below one new node, except skinned meshes, which ignore the transform of their parent.
 void put_roots_under_one_node(Document& out) {
   std::vector<int>& roots = out.model.scenes[0].nodes;
-  const auto joined = std::ranges::stable_partition(
-      roots, [&](int root) { return out.model.nodes[static_cast<std::size_t>(root)].skin >= 0; });
-  if (joined.size() < 2) return;
+  const auto joined = std::stable_partition(
+      roots.begin(), roots.end(), [&](int root) { return out.model.nodes[static_cast<std::size_t>(root)].skin >= 0; });
+  if (roots.end() - joined < 2) return;
   tinygltf::Node root;
-  root.children.assign(joined.begin(), joined.end());
-  roots.erase(joined.begin(), joined.end());
+  root.children.assign(joined, roots.end());
+  roots.erase(joined, roots.end());
   add_node(out, -1, std::move(root));
 }
 
