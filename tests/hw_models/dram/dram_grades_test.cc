@@ -251,7 +251,7 @@ Cost cost_of(const Pins& pins) {
   return {m[0].measured, m[1].measured, m[3].measured, m[2].measured * c.channels};
 }
 
-TEST(EnergyOfGrades, IsNoHigherInANewerGradeStreamingAtRandomOrIdle) {
+TEST(EnergyOfGrades, FallsFromGradeToGradeWhenStreamingAtRandomAndIdle) {
   for (std::size_t i = 0; i + 1 < kPins.size(); ++i) {
     const Cost older = cost_of(kPins[i]), newer = cost_of(kPins[i + 1]);
     const std::string pair = std::string(kPins[i].file) + ", " + kPins[i + 1].file;

@@ -331,7 +331,7 @@ TEST(GltfHostile, AnImageOutsideItsBuffer) {
   file.material()["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   const std::string said = refusal(file.text());
   EXPECT_TRUE(said.find("leave their buffer") != std::string::npos ||
-              said.find("out of bounds of its buffer") != std::string::npos)  // by newer releases of tinygltf
+              said.find("out of bounds of its buffer") != std::string::npos)  // newer tinygltf
       << said;
 }
 
